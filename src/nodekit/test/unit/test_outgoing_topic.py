@@ -602,7 +602,8 @@ def test_opening_publishes_nothing_of_itself(unopened, connect):
     assert [s.sent for s in publisher.statistics()] == [1]
 
 
-def test_messages_held_at_the_end_of_the_process_are_sent(opened, connect, monkeypatch):
+@pytest.mark.parametrize("closes", [True, False])
+def test_messages_held_at_the_end_of_the_process_are_sent(opened, connect, monkeypatch, closes):
     monkeypatch.setattr(delivery, "CLOSING_PATIENCE_S", TIME_OUT)  # a busy machine is slow
     monkeypatch.setattr(subscriber_connection, "CLOSING_STALL_S", TIME_OUT)
     publisher = opened(String, queue_size=20)
@@ -613,10 +614,15 @@ def test_messages_held_at_the_end_of_the_process_are_sent(opened, connect, monke
     reader = threading.Thread(
         target=lambda: received.extend(receive(subscriber).data[0] for _ in range(20))
     )
+    plain = publisher._publisher
+    if closes:  # as a managed node does, which has 2 s for all of its shutdown
+        with monkeypatch.context() as patch:
+            patch.setattr(rospy.core, "is_shutdown_requested", lambda: True)
+            publisher.close()
     reader.start()
     for send_held in PROCESS.get(shutdown._Hooks)[shutdown.ShutdownPhase.PUBLISHERS]:
         send_held()
-    impl(publisher).close()
+    plain.unregister()
     reader.join(TIME_OUT)
     assert "".join(received) == "abcdefghijklmnopqrst"
 

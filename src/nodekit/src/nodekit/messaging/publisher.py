@@ -8,6 +8,7 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import genpy
 import rospy
+import rospy.core
 
 from nodekit.argument_checks import check_message_class
 from nodekit.rospy_internals import outgoing_topic, registry
@@ -133,13 +134,18 @@ class Publisher:
             self.close()
 
     def close(self) -> None:
-        """Stop publishing, after up to 2 s for subscribers that still take held messages."""
+        """Stop publishing, after up to 2 s for subscribers that still take held messages.
+
+        At the end of the process, :func:`.finish_all` waits for those of all topics together.
+        """
         self._is_closed = True
         with self._lock:
             publisher, topic = self._publisher, self._topic
             self._publisher = self._topic = None
         if publisher is not None:
             if topic is not None:
+                if rospy.core.is_shutdown_requested():  # rospy closes all topics
+                    return
                 topic.finish()
             publisher.unregister()
 

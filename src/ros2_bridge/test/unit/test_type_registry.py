@@ -73,7 +73,7 @@ def new_class(package: str, base: str, fields: Dict[str, str]) -> type:
 
 
 def test_rule_for_a_type_holds_inside_a_type_with_the_same_names_in_both(
-    registry: Callable[..., Any]
+    registry: Callable[..., Any],
 ) -> None:
     data = struct.pack("<hhIhh", 1, 2, 1, 3, 4)
     same = registry([]).message("acme_msgs/Arms").codec.to_cdr(data)
@@ -83,7 +83,7 @@ def test_rule_for_a_type_holds_inside_a_type_with_the_same_names_in_both(
 
 
 def test_rule_for_another_type_leaves_the_type_that_contains_its_namesake(
-    registry: Callable[..., Any]
+    registry: Callable[..., Any],
 ) -> None:
     types_ = registry([{**LIMB, "fields": CROSSED}])
     data = struct.pack("<hhIhh", 1, 2, 1, 3, 4)
@@ -92,7 +92,7 @@ def test_rule_for_another_type_leaves_the_type_that_contains_its_namesake(
 
 
 def test_ros2_type_whose_namesake_has_another_counterpart_is_not_bridged(
-    registry: Callable[..., Any]
+    registry: Callable[..., Any],
 ) -> None:
     types_ = registry([LIMB])
     assert types_.message("acme_msgs/Arm").ros2 == "other_msgs/Limb"
@@ -110,7 +110,7 @@ def test_rule_for_packages_that_are_not_installed_is_refused(registry: Callable[
 
 
 def test_draft_for_a_type_with_a_rule_of_the_bridge_replaces_that_rule(
-    registry: Callable[..., Any]
+    registry: Callable[..., Any],
 ) -> None:
     draft = registry().draft("acme_msgs/Range", "acme_msgs/msg/Range")
     assert draft["left_out"] == {"ros1": [], "ros2": ["variance"]}

@@ -140,9 +140,7 @@ def _names(rule: Any) -> Tuple[str, str]:
     unknown = set(rule) - _KEYS
     if unknown:
         allowed = ", ".join(sorted(_KEYS))
-        raise MappingRuleError(
-            f"{rule['ros1']}: {min(map(str, unknown))} is not one of {allowed}"
-        )
+        raise MappingRuleError(f"{rule['ros1']}: {min(map(str, unknown))} is not one of {allowed}")
     return rule["ros1"], rule["ros2"]
 
 
@@ -162,9 +160,7 @@ def _type_rule(rule: Any) -> TypeRule:
     ):
         raise MappingRuleError(f"{ros1}: fields: {counterparts!r:.60} is not a mapping of texts")
     if not isinstance(left_out, dict) or set(left_out) - {"ros1", "ros2"}:
-        raise MappingRuleError(
-            f"{ros1}: left_out: {left_out!r:.60} has other keys than ros1, ros2"
-        )
+        raise MappingRuleError(f"{ros1}: left_out: {left_out!r:.60} has other keys than ros1, ros2")
     lists = [left_out.get("ros1") or [], left_out.get("ros2") or []]
     if not all(isinstance(one, list) and _are_texts(one) for one in lists):
         raise MappingRuleError(f"{ros1}: left_out: {left_out!r:.60} has no lists of texts")
@@ -191,9 +187,7 @@ def _is_of(ros1: str, kind: str, part: str, path: str) -> bool:
     """Return whether a path is in a part; in a message, all are."""
     names = [name.lower() for name in PARTS[kind]]
     if names != [""] and (_part(path) not in names or "." not in path):
-        raise MappingRuleError(
-            f"{ros1}: {path} does not begin with {', '.join(names)} and a dot"
-        )
+        raise MappingRuleError(f"{ros1}: {path} does not begin with {', '.join(names)} and a dot")
     return not part or _part(path) == part.lower()
 
 

@@ -180,7 +180,7 @@ def test_rule_has_no_effect_where_the_other_message_contains_another_type():
         "a/Pose": FieldRules("b/Transform", {"x": "y"}, [], ["z"]),
     }
     second = messages("b/Path:Pose one,Pose[] all | b/Pose:float64 x")
-    data = struct.pack("<dIdI", 1.5, 1, 2.5, 0)
+    data = struct.pack("<dI", 1.5, 1) + struct.pack("<dI", 2.5, 0)
     converter = FieldMapping("a/Path", first, "b/Path", second, rules, default)
     assert converter.to_second(data) == data[:-4]
     assert converter.to_first(data[:-4]) == data

@@ -103,11 +103,14 @@ class Client:
             lambda: f"of {kind} came {str(self.messages(kind)[-3:])[:2000]}",
         )[0]
 
+    def bins_of(self, field: str) -> Dict[int, List[Optional[float]]]:
+        """Return the bins of a field on the screen, unchanged by further frames."""
+        with self._lock:
+            return dict(self.bins.get(field, {}))
+
     def values(self, field: str) -> List[float]:
         """Return all extremes of a field on the screen, by time."""
-        with self._lock:
-            bins = dict(self.bins.get(field, {}))
-        pairs = (pair for _, pair in sorted(bins.items()))
+        pairs = (pair for _, pair in sorted(self.bins_of(field).items()))
         return [
             value for pair in pairs for value in pair if value is not None and value is not False
         ]

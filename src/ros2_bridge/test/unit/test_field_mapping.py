@@ -213,3 +213,19 @@ def test_each_of_several_messages_without_fields_gets_its_defaults():
     count = struct.pack("<I", 2)
     assert converter.to_second(count) == count + b"\7\0\7\0"
     assert converter.to_first(count + b"\7\0\7\0") == count
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs"),
+    [("int32", "uint32"), ("int8", "uint8"), ("uint8", "bool"), ("time", "int64")],
+)
+def test_type_that_would_change_values_is_rejected(ours, theirs):
+    first, second = parse("a/N", f"{ours} n"), parse("b/N", f"{theirs} n")
+    with pytest.raises(MappingError, match="a/N: n and n of b/N have different types"):
+        FieldMapping("a/N", first, "b/N", second, {}, default)
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [("char", "uint8"), ("int8", "byte")])
+def test_other_name_of_a_type_is_accepted(ours, theirs):
+    first, second = parse("a/N", f"{ours} n"), parse("b/N", f"{theirs} n")
+    assert FieldMapping("a/N", first, "b/N", second, {}, default).to_second(b"\x07") == b"\x07"

@@ -18,6 +18,8 @@ _Skip = Callable[[bytes, int], int]
 #: Converts a serialized field.
 _Convert = Callable[[bytes], bytes]
 _COUNT = struct.Struct("<I")
+#: Types with two names; others, such as int32 and uint32, would change values.
+_ALIASES = {"byte": "int8", "char": "uint8"}
 
 
 class MappingError(ValueError):
@@ -211,14 +213,9 @@ def _are_alike(one: Field, other: Field, fields1: Fields, fields2: Fields) -> bo
     """Return whether fields can be converted, if their elements can that are messages."""
     same_array = (one.is_array, one.length) == (other.is_array, other.length)
     nested = one.base in fields1 and other.base in fields2
-    return same_array and (nested or _kind(one.base) == _kind(other.base))
-
-
-def _kind(base: str) -> object:
-    """Return what two types must have in common to be copied; signs need not agree."""
-    if base in SIZES:
-        return "float" if base.startswith("float") else "integer", SIZES[base]
-    return base
+    return same_array and (
+        nested or _ALIASES.get(one.base, one.base) == _ALIASES.get(other.base, other.base)
+    )
 
 
 def _skip(field: Field, fields: Fields) -> _Skip:

@@ -109,6 +109,8 @@ class PageTest(BrowserTest):
         if self.is_open():
             self.show()
         else:
+            self.leave_page()
+            self.browser.errors()  # of a page whose scope the previous test has stopped
             self.browser.open(self.scope.url)
             # A scope that has just started does not know the topics yet.
             wait_until(

@@ -277,6 +277,24 @@ def test_closing_topic_waits_only_for_a_receiver_that_takes_data(pairs, monkeypa
         assert not reader.is_alive()
 
 
+def test_topics_that_close_together_wait_as_long_as_one(monkeypatch):
+    now = [1000.0]
+    sleep = types.SimpleNamespace(
+        monotonic=lambda: now[0], sleep=lambda seconds: now.__setitem__(0, now[0] + seconds)
+    )
+    monkeypatch.setattr(delivery, "time", sleep)
+    slow = types.SimpleNamespace(held=[b"data"], takes_held_data=lambda now: True)
+    for _ in range(2):  # the limit is that of one context
+        began = now[0]
+        with delivery.closing_together():
+            assert [delivery.finish([slow]) for _ in range(3)] == 3 * [[slow]]
+        assert now[0] - began == pytest.approx(delivery.CLOSING_PATIENCE_S, abs=0.1)
+    began = now[0]
+    for _ in range(3):
+        delivery.finish([slow])
+    assert now[0] - began == pytest.approx(3 * delivery.CLOSING_PATIENCE_S, abs=0.1)
+
+
 def test_receiver_is_served_immediately_while_another_is_watched(pairs, monkeypatch):
     monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 10 * TIME_OUT)
     deaf = SubscriberConnection("deaf", pairs()[0], threading.RLock(), depth=1)

@@ -11,6 +11,7 @@ from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import Callback
 from nodekit.node.start_queue import StartQueue
 from nodekit.rospy_internals import registration_listener
+from nodekit.transport import delivery
 
 Thing = TypeVar("Thing")
 
@@ -62,7 +63,7 @@ class ResourceOwner:
         waited for, up to :data:`CLOSE_WAIT_S`.
         """
         groups: Set[CallbackGroup] = set()
-        with registration_listener.together():
+        with registration_listener.together(), delivery.closing_together():
             self._close_all(groups)
         deadline = time.monotonic() + CLOSE_WAIT_S
         for group in groups:

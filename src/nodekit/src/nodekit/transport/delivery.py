@@ -11,6 +11,7 @@ work for a small message.
 
 import contextlib
 import logging
+import math
 import os
 import select
 import threading
@@ -71,6 +72,26 @@ def serve_later(full: List[SubscriberConnection]) -> None:
             _mark_stalled([link for link in full if link.held])
 
 
+class _Closing(threading.local):
+    """Time limit of the topics that a thread closes together."""
+
+    is_together = False
+    deadline = math.inf
+
+
+_CLOSING = _Closing()
+
+
+@contextlib.contextmanager
+def closing_together() -> Iterator[None]:
+    """Limit the waits for all topics that this thread closes in the context to that for one."""
+    _CLOSING.is_together, _CLOSING.deadline = True, math.inf
+    try:
+        yield
+    finally:
+        _CLOSING.is_together = False
+
+
 def finish(links: Sequence[SubscriberConnection]) -> List[SubscriberConnection]:
     """Wait until held data is sent, at most :data:`CLOSING_PATIENCE_S`, if receivers take it.
 
@@ -78,6 +99,8 @@ def finish(links: Sequence[SubscriberConnection]) -> List[SubscriberConnection]:
     :returns: connections with unsent data
     """
     deadline = time.monotonic() + CLOSING_PATIENCE_S
+    if _CLOSING.is_together:
+        deadline = _CLOSING.deadline = min(deadline, _CLOSING.deadline)
     now = 0.0
     while now < deadline:
         now = time.monotonic()

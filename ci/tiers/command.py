@@ -25,6 +25,8 @@ from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, pa
 #: More than most machines' cores: most integration tests wait most of the time. With three, the
 #: whole run takes a fifth longer on two cores.
 AT_A_TIME = 4
+#: Examples that hypothesis tries of a property without a word on the command line; see conftest.py.
+QUICK_EXAMPLES = "20"
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0
 #: Lines of the output of a failed step that are shown.
@@ -309,6 +311,7 @@ def choose(options: argparse.Namespace) -> Selection:
         chosen = Selection()
     if not options.words and not options.changed:
         chosen.whole.extend(DEFAULT)
+        os.environ.setdefault("UNIT_TEST_EXAMPLES", QUICK_EXAMPLES)
     known = {package.name for package in packages()}
     for word in options.words:
         chosen.add_word(word, known, WORKSPACE)

@@ -347,6 +347,7 @@ class Robots(unittest.TestCase):
         told = [line for line in self.log.messages() if "may circle its goal" in line.msg]
         self.assertEqual(len(told), 1)
 
+    @extended
     def test_waypoints_are_gone_through_again_and_a_kill_stops_the_robot(self) -> None:
         commands = MessageRecorder("/way/cmd_vel", Twist)
         heard = self.clock.heard
@@ -383,6 +384,7 @@ class Robots(unittest.TestCase):
         self.graph.kill("/way/waypoint_controller")
         wait_until(lambda: commands.messages()[-1] == Twist(), lambda: "it drives on")
 
+    @extended
     def test_random_controller_draws_by_seed_and_period_and_stops_at_its_end(self) -> None:
         """Course 001-robot-5, err-9, err-10."""
         node = Process(

@@ -254,6 +254,7 @@ class Here(Managing):
         second = answers[1]
         self.assertEqual((second.success, second.message), (True, "all are unconfigured"))
 
+    @extended
     def test_one_that_is_not_there(self) -> None:
         nodes = self.drivers("a", "b")
         self.manager(respawn_window=0.5, heartbeat_timeout=0.8)

@@ -160,6 +160,7 @@ class Nodes(unittest.TestCase):
         wait_until(lambda: results(client, "asynchronous") > told + 2, lambda: str(client.lines))
         self.assert_ends_well(client)
 
+    @extended
     def test_client_tells_of_both_calls_that_fail(self) -> None:
         service = rospy.Service("/unable", AddTwoInts, lambda request: None)
         arguments = ["add_two_ints:=unable", "__name:=unlucky_client", "_period:=3600"]

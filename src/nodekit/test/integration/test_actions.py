@@ -451,6 +451,7 @@ class Client(Actions):
         self.assertEqual(results[1].result().text, "cancelled")
         self.assertEqual(second.cancel_goal(), GoalState.PREEMPTED)
 
+    @extended
     def test_timeouts(self) -> None:
         self.assertTrue(self.client.wait_for_server(TIMEOUT_S))
         status = MessageRecorder(f"{self.space}/test/result", TestActionResult)

@@ -69,6 +69,7 @@ class Clients(unittest.TestCase):
         self.assertTrue(client.wait_for_service(TIMEOUT_S))
         self.assertTrue(client.call(GetLoggersRequest()).loggers)
 
+    @extended
     def test_hundred_simultaneous_calls_never_swap_answers(self) -> None:
         """Course err-6."""
         self.server()
@@ -159,6 +160,7 @@ class Clients(unittest.TestCase):
         self.assertEqual(node.logged("Traceback"), [])
         self.assertEqual(len(node.logged(f"the call of {self.space}/slow was cancelled")), 1)
 
+    @extended
     def test_calls_under_way_are_bounded(self) -> None:
         self.server()
         client = self.node.create_client("slow", Trigger)

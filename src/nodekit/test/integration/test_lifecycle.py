@@ -969,6 +969,7 @@ class Ends(unittest.TestCase):
         self.assertEqual((lines[: len(WAYS)], set(lines[len(WAYS) :])), (ends, expected))
         self.assertEqual(process.logged("ends without"), [])
 
+    @extended
     def test_node_that_ends_its_process_in_a_callback_goes_through_shutdown_too(self) -> None:
         process = self.start("quitting", "active")
         self.assertTrue(self.change("quitting", "configure"))
@@ -992,6 +993,7 @@ class Ends(unittest.TestCase):
         self.assertEqual(len(process.logged(text)), 1, process.error_lines)
         self.assertEqual(len(process.logged("ends without")), 1)
 
+    @extended
     def test_node_that_ends_its_process_during_a_transition_is_logged(self) -> None:
         process = self.start("ending", "active")
         self.ask_and_forget("ending", "configure")

@@ -292,6 +292,7 @@ class PublishingTest(unittest.TestCase):
         with self.assertRaises(rospy.ROSException):
             publisher.publish(String())
 
+    @extended
     def test_closing_waits_for_a_subscriber_that_takes_what_is_held(self):
         for limit in ("CLOSING_STALL_S", "CLOSING_PATIENCE_S"):  # a busy machine is slow
             module = subscriber_connection if limit == "CLOSING_STALL_S" else delivery
@@ -351,6 +352,7 @@ class PublishingTest(unittest.TestCase):
         record = self.wait_for(node, self.last(2), "it has the last message")
         self.assertEqual((record["numbers"]["a"], record["torn"]), ([2], 0))
 
+    @extended
     def test_publishing_during_shutdown_raises_nothing(self):
         heard = threading.Event()
         subscription = rospy.Subscriber(self.topic, String, lambda _: heard.set())

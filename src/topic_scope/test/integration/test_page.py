@@ -107,6 +107,7 @@ class Page(PageTest):
         self.assertIn(self.browser.text("#trigger-state"), ("armed", "triggered"))
         wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it does not hold again")
 
+    @extended
     def test_a_formula_is_checked_as_it_is_typed_then_drawn_measured_and_saved(self) -> None:
         self.browser.keys("a", "=hypot(a, delay(a,.25)) + b*(0")
         problem = self.browser.find("#chooser-note")

@@ -20,6 +20,7 @@ COMMANDS = {
         "cable": "cw1_two_hosts.launch, and the cable pulled for a while",
         "closed": "what another host can reach of nodes that it should not reach",
         "doctor": "rosrun nodekit doctor on both hosts, with nodes on each",
+        "networks": "the bridge and a ROS 2 node on another host, without multicast",
     },
 }
 

@@ -38,6 +38,15 @@ def test_explicit_variables_are_kept(name: str) -> None:
     assert middleware(environ, LOOPBACK) == expected
 
 
+def test_all_topics_of_a_discovery_server_are_visible() -> None:
+    server = {"ROS_DISCOVERY_SERVER": "192.0.2.1:11811"}
+    given = middleware(server, LOOPBACK)
+    assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert given["ROS_SUPER_CLIENT"] == "TRUE"
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in given
+    assert middleware({**server, "ROS_SUPER_CLIENT": "0"}, LOOPBACK)["ROS_SUPER_CLIENT"] == "0"
+
+
 def test_middleware_of_another_ros2_is_ignored() -> None:
     given = middleware({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, LOOPBACK)
     assert given["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"

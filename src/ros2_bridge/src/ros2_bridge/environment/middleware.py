@@ -21,6 +21,10 @@ def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, 
     given = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **environ}
     # The only middleware installed; another one, set for a ROS 2 elsewhere, would end the process.
     given["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
+    if environ.get("ROS_DISCOVERY_SERVER"):
+        given.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+        # Otherwise the server tells only of topics that this process has an end of already.
+        given.setdefault("ROS_SUPER_CLIENT", "TRUE")
     # As on the ROS 1 side, nodes of other machines are invisible by default.
     reach = given.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", LOCALHOST)
     chosen = {"ROS_STATIC_PEERS", "FASTRTPS_DEFAULT_PROFILES_FILE"}.intersection(environ)

@@ -213,6 +213,7 @@ class PublishingTest(unittest.TestCase):
             )
             self.publish(publisher, 300)
             self.assertGreaterEqual(self.statistics_of(publisher, "/mute").lost, 299)
+            self.assertGreater(self.statistics_of(publisher, "/mute").held_bytes, 10_000_000)
             _, late = self.subscriber(publisher)
             self.wait_for(late, self.last(self.count - 1), "a late joiner has the last message")
         wait_until(lambda: len(publisher.statistics()) == 2, lambda: "the mute one is still there")

@@ -272,6 +272,8 @@ def test_closing_topic_waits_only_for_a_receiver_that_takes_data(pairs, monkeypa
     assert delivery.finish([link]) == ([] if reads else [link])
     assert time.monotonic() - began < TIME_OUT / 2
     assert link.unsent_messages == (0 if reads else 3)
+    size = len(packet(0, len(BIG)))
+    assert (link.unsent_bytes == 0) if reads else (3 * size <= link.unsent_bytes < 4 * size)
     if reads:
         reader.join(TIME_OUT)
         assert not reader.is_alive()

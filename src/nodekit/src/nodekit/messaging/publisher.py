@@ -32,6 +32,8 @@ class SubscriberStatistics(NamedTuple):
     lost: int
     #: whether the subscriber has taken nothing for 50 ms, and data waits for it
     stalled: bool
+    #: bytes held for the subscriber, which has not read them yet
+    held_bytes: int
 
 
 def _depth(queue_size: int, name: str) -> int:
@@ -246,8 +248,11 @@ class Publisher:
 
         :returns: one entry per subscriber; empty with rospy's own queues
         """
-        links, now = self._topic.links() if self._topic is not None else [], time.monotonic()
+        topic, now = self._topic, time.monotonic()
+        links = topic.links() if topic is not None else []
         return [
-            SubscriberStatistics(link.name, link.sent, link.lost, link.takes_nothing(now))
+            SubscriberStatistics(
+                link.name, link.sent, link.lost, link.takes_nothing(now), link.unsent_bytes
+            )
             for link in links
         ]

@@ -186,6 +186,11 @@ class SubscriberConnection:
         return self._held_messages
 
     @property
+    def unsent_bytes(self) -> int:
+        """Memory of held messages, with a partly sent one [bytes]."""
+        return self._held_bytes
+
+    @property
     def stalled(self) -> bool:
         """Whether the receiver is served in the background now."""
         return self.phase is Phase.STALLED

@@ -107,6 +107,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
     },
     "ros2_bridge": {
         "rules": "rules of what is bridged: names, directions, lifetimes, exclusions",
+        "health": "rates and faults of topics, and reports of them",
         "actions": "goals of either ROS: states, ids, cancellations, replies to other clients",
         "types": "types of either ROS, matched and translated",
         "environment": "the Python environment with both ROSes, and its activation",
@@ -117,8 +118,9 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "action_bridge": "bridged actions",
         "parameters": "bridged parameters",
         "node_bridge": "nodes with their parameters",
+        "diagnostics": "health of the bridge on `/diagnostics`",
         "graph_loop": "the loop that polls both graphs and updates all parts",
-        "commands": "`make_environment`, from the command line",
+        "commands": "`make_environment` and `report`, from the command line",
         "nodes": "the node",
     },
 }

@@ -1,6 +1,7 @@
 """Loop that polls both graphs and updates each part of the bridge."""
 
 import contextlib
+import os
 import threading
 import time
 import traceback
@@ -11,6 +12,9 @@ import rospy
 from nodekit import LiveParameters, MasterUnreachable, Node, Throttle
 from nodekit.master import MISSING, MasterClient
 from ros2_bridge.action_bridge.all_actions import ActionBridge
+from ros2_bridge.diagnostics import Diagnostics
+from ros2_bridge.health.reports import BridgeHealth, is_well, statuses, table
+from ros2_bridge.health.topic_health import TopicHealthMonitor
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph, read_graph
 from ros2_bridge.ros1.node_registrar import Registration, NodeRegistrar
@@ -34,6 +38,8 @@ _FIRST_POLLS = 10
 _MASTER_S = 2.0
 #: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 10.0
+#: Time without a complete poll after which nothing new counts as bridged [s].
+_STUCK_S = 10.0
 
 
 class GraphLoop:
@@ -81,6 +87,10 @@ class GraphLoop:
             Rosout(node, participant, names),
             NodeRegistrar(node.name),
         )
+        self._diagnostics = Diagnostics(node, participant, types, names)
+        self._monitor = TopicHealthMonitor()
+        self._health = BridgeHealth({}, 0, 0, (), "", 0)
+        self._trouble, self._polled_at = "", time.monotonic()
         self._master_pid = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="graph loop", daemon=True)
@@ -107,8 +117,9 @@ class GraphLoop:
                             self._topics.follow_subscribers1()
                         self._actions.follow()
             except MasterUnreachable as error:  # nothing changes until the master is back
+                self._trouble = f"nothing new is bridged: {error}"
                 if self._throttle.is_due("master"):
-                    rospy.logwarn(f"nothing new is bridged: {error}")
+                    rospy.logwarn(self._trouble)
 
     @contextlib.contextmanager
     def _guarded(self) -> Iterator[None]:
@@ -154,6 +165,8 @@ class GraphLoop:
             return
         self._nodes_in_ros1.register(entries, ros1.nodes(), is_restarted)
         self._report_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})
+        self._skip_log.end_poll()
+        self._trouble, self._polled_at = "", time.monotonic()
         line = self._skip_log.next_line(time.monotonic())
         if line is not None:
             rospy.logwarn("%s", line)
@@ -194,11 +207,32 @@ class GraphLoop:
         self._graph.shared_names.clear()
 
     def statistics(self) -> Dict[str, Any]:
-        """Return how many messages each topic pair has passed on, and how many were lost."""
+        """Return the counters of each topic pair."""
         topics: Dict[str, Any] = {"to_ros1": {}, "to_ros2": {}}
-        for route, count in self._topics.counts().items():
-            topics["to_ros2" if route.to_ros2 else "to_ros1"][route.name] = vars(count)
+        for route, counts in self._topics.counts().items():
+            topics["to_ros2" if route.to_ros2 else "to_ros1"][route.name] = counts._asdict()
         return {"topics": topics}
+
+    def update_health(self) -> None:
+        """Update the health from all counters, and publish it as diagnostics; once a second."""
+        now = time.monotonic()
+        trouble = self._trouble
+        if not trouble and now > self._polled_at + _STUCK_S:
+            trouble = f"no poll of both graphs in the last {now - self._polled_at:.0f} s"
+        self._health = BridgeHealth(
+            self._monitor.update(now, self._topics.counts()),
+            len(self._services.pairs),
+            len(self._actions.pairs),
+            self._skip_log.current(),
+            trouble,
+            resident_memory(),
+        )
+        if self._diagnostics.has_subscribers():
+            self._diagnostics.publish(statuses(self._health))
+
+    def report(self) -> Tuple[bool, str]:
+        """Return whether all is well, and a table of the health as of the last second."""
+        return is_well(self._health), table(self._node.name, self._health)
 
     def close(self) -> None:
         """Close all ROS 2 parts while ROS 1 still exists; rospy then closes that."""
@@ -209,3 +243,9 @@ class GraphLoop:
                 end()
             except Exception:  # the other parts have to be closed, too
                 rospy.logerr(traceback.format_exc())
+
+
+def resident_memory() -> int:
+    """Return the resident memory of this process [bytes]; see proc(5), ``/proc/self/statm``."""
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")

@@ -236,11 +236,13 @@ def test_large_messages_are_held_in_a_bounded_number_of_bytes() -> None:
     for size in (100, 60_000, 6_000_000, 100, 6_000_001):
         publishers.publish("/camera", bytes(size), False)
     assert participant.depths == [1000, 8]
+    assert publishers.held_at_most() == 2**26
     assert [len(data) for _, data in participant.sent] == [100, 60_000, 6_000_000, 100, 6_000_001]
     publishers.publish("/camera", bytes(200_000_000), False)
     assert participant.depths[-1] == 1
     publishers.publish("/map_server", bytes(6_000_000), True)
     assert list(participant.made.values()) == [(False, "bridge"), (True, "bridge")]
+    assert publishers.held_at_most() == 2**28 + 2**23
 
 
 def test_depth_that_the_user_sets_holds_for_large_messages() -> None:

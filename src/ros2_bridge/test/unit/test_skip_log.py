@@ -35,3 +35,20 @@ def test_whatever_fails_is_a_reason() -> None:
     with log.catching("/fine"):
         pass
     assert log.next_line(0.0) == "not bridged: pkg/A differs; /1: bad name; /1: KeyError()"
+
+
+def test_reason_is_current_while_polls_report_it() -> None:
+    log = SkipLog()
+    log.report("/b")
+    log.report("/a")
+    assert log.current() == ["/a", "/b"]
+    log.end_poll()
+    log.report("/a")
+    assert log.current() == ["/a", "/b"]  # the poll may not have come to /b yet
+    log.end_poll()
+    assert log.current() == ["/a"]
+    log.end_poll()
+    log.end_poll()
+    assert log.current() == []
+    log.report("/b")
+    assert log.current() == ["/b"]

@@ -5,8 +5,20 @@ ROS 1: see :mod:`ros2_bridge.environment.module_isolation`.
 """
 
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
-__all__ = ["GoalID", "GoalStatus", "GoalStatusArray", "Header", "Log", "String", "Trigger"]
+__all__ = [
+    "DiagnosticArray",
+    "DiagnosticStatus",
+    "GoalID",
+    "GoalStatus",
+    "GoalStatusArray",
+    "Header",
+    "KeyValue",
+    "Log",
+    "String",
+    "Trigger",
+]

@@ -21,8 +21,10 @@ class Bridge:
 
     :ROS Publishers:
         - ``~statistics`` (std_msgs/String): counters of all topics once a second, as YAML
+        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray), in ROS 2, too: health, once a second
 
     :ROS Services:
+        - ``~report`` (std_srvs/Trigger): whether all is well, and a table
         - ``/ros2_bridge_of_domain_N`` (std_srvs/Trigger): returns the bridge's name
 
     :ROS Parameters:
@@ -34,10 +36,12 @@ class Bridge:
         parameters = node.declare_parameters(BridgeParameters, exempt=("qos", "mappings"))
         self._loop = GraphLoop(node, parameters)
         self._statistics = node.create_publisher("~statistics", String)
-        node.create_timer(1.0, self._publish_statistics, steady=True)
+        node.create_timer(1.0, self._publish, steady=True)
+        node.create_service("~report", Trigger, lambda _: self._loop.report())
         node.create_service(marker(), Trigger, lambda _: (True, node.name))
 
-    def _publish_statistics(self, _: float) -> None:
+    def _publish(self, _: float) -> None:
+        self._loop.update_health()
         if self._statistics.get_num_connections():
             self._statistics.publish(String(yaml.safe_dump(self._loop.statistics())))
 

@@ -20,6 +20,8 @@ class SkipLog:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._reported: Set[str] = set()
+        #: Reasons of the current poll, and of the one before.
+        self._polls: List[Set[str]] = [set(), set()]
         self._pending: List[str] = []
         self._last: Optional[float] = None
 
@@ -29,6 +31,7 @@ class SkipLog:
         :param reason: what is not bridged, and why
         """
         with self._lock:
+            self._polls[0].add(reason)
             if reason not in self._reported:
                 self._reported.add(reason)
                 self._pending.append(reason)
@@ -47,6 +50,16 @@ class SkipLog:
             # Some of rclpy's messages mark the position in the name on further lines.
             why = (str(error) or repr(error)).partition("\n")[0].rstrip(":")
             self.report(f"{name}: {why}")
+
+    def end_poll(self) -> None:
+        """End a poll of both graphs, in which each reason that still holds was reported."""
+        with self._lock:
+            self._polls = [set(), self._polls[0]]
+
+    def current(self) -> List[str]:
+        """Return the reasons that hold now, sorted: those of the current poll and the last one."""
+        with self._lock:
+            return sorted(self._polls[0] | self._polls[1])
 
     def next_line(self, now: float) -> Optional[str]:
         """Return a line for the log; None if there is nothing to log, or it is too early.

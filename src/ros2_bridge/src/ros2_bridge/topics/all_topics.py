@@ -8,6 +8,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
 from ros2_bridge.actions.discovery import is_of_action
+from ros2_bridge.health.topic_health import TopicCounts
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
@@ -16,7 +17,7 @@ from ros2_bridge.rules.selection import RESERVED_PACKAGES, Rules, Route, select_
 from ros2_bridge.rules.active_pairs import PairBridge, for_all
 from ros2_bridge.rules.settings import QosProfiles
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
-from ros2_bridge.topics.one_topic import PairCounters, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import TopicToRos1, TopicToRos2
 from ros2_bridge.types.type_registry import MessageType, TypeRegistry
 
 _Pair = Union[TopicToRos1, TopicToRos2]
@@ -176,6 +177,6 @@ class TopicBridge(PairBridge[_Pair]):
                 found.setdefault(route, kind.ros1)
         return found
 
-    def counts(self) -> Dict[Route, PairCounters]:
-        """Return the message counts of each pair."""
-        return {route: pair.count for route, pair in list(self.pairs.items())}
+    def counts(self) -> Dict[Route, TopicCounts]:
+        """Return the current counters of each pair."""
+        return {route: pair.counts() for route, pair in list(self.pairs.items())}

@@ -11,6 +11,7 @@ import rospy
 from rclpy.node import Node as Ros2Node
 
 from nodekit import Node, ReentrantCallbackGroup, Throttle
+from ros2_bridge.health.topic_health import TopicCounts
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
@@ -166,6 +167,16 @@ class TopicToRos2:
                 continue
             self.publishers.publish(header.get("callerid", ""), data, is_latched)
             self.count.passed += 1
+
+    def counts(self) -> TopicCounts:
+        """Return the current counters."""
+        found = self.count
+        return TopicCounts(
+            found.passed,
+            refused=found.refused,
+            thinned=found.thinned,
+            held=self.publishers.held_at_most(),
+        )
 
     def _joined(self, header: Any, data: bytes) -> bytes:
         """Return a message with all transforms that a connection has brought so far.
@@ -355,6 +366,18 @@ class TopicToRos1:
         if len(self._last) >= _MOST_SENDERS:
             self._last.clear()
         self._last[sender] = number
+
+    def counts(self) -> TopicCounts:
+        """Return the current counters."""
+        found, subscribers = self.count, self._publisher.statistics()
+        return TopicCounts(
+            found.passed,
+            found.lost,
+            found.refused,
+            sum(one.lost for one in subscribers),
+            found.thinned,
+            sum(one.held_bytes for one in subscribers),
+        )
 
     def close(self) -> None:
         """Close publisher and subscriptions."""

@@ -63,6 +63,10 @@ class NodePublisher:
         self._latest = data if self.is_latched else b""
         self._publisher.publish(data)
 
+    def held_at_most(self) -> int:
+        """Return the most bytes that it holds for subscribers that do not read."""
+        return self._quality.depth * self._size
+
     def move(self, owner: Ros2Node) -> None:
         """Move the publisher to another node, if the node differs."""
         if owner is not self.owner:
@@ -158,6 +162,11 @@ class TopicPublishers:
         """Return whether any of them has a latched message."""
         with self._lock:
             return any(one.is_latched for one in self._by_caller.values())
+
+    def held_at_most(self) -> int:
+        """Return the most bytes that they hold for subscribers that do not read."""
+        with self._lock:
+            return sum(one.held_at_most() for one in self._by_caller.values())
 
     def _plain(self) -> Optional[NodePublisher]:
         """Return a publisher without a latched message."""

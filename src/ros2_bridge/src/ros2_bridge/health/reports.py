@@ -1,0 +1,171 @@
+"""Reports of the bridge's health: statuses for ``/diagnostics``, and a table for a terminal."""
+
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+
+from ros2_bridge.health.topic_health import TopicHealth
+from ros2_bridge.rules.selection import Route
+
+#: Levels, as in diagnostic_msgs/DiagnosticStatus.
+OK, WARN, ERROR = 0, 1, 2
+#: Description of each counter of faults.
+_FAULTS = {
+    "lost": "lost on the way from ROS 2",
+    "refused": "refused",
+    "unread": "dropped for subscribers that do not read",
+}
+#: Most topics that a message names.
+_MOST_NAMED = 3
+_COLUMNS = ("topic", "to", "Hz", "passed", "lost", "refused", "unread", "thinned", "queue")
+
+
+class BridgeHealth(NamedTuple):
+    """State of the bridge.
+
+    :param topics: state of each topic
+    :param services, actions: numbers of bridged services and actions
+    :param not_bridged: the current reasons for what is not bridged
+    :param trouble: reason why nothing new is bridged; empty without one
+    :param memory: resident memory of the process [bytes]
+    """
+
+    topics: Mapping[Route, TopicHealth]
+    services: int
+    actions: int
+    not_bridged: Sequence[str]
+    trouble: str
+    memory: int
+
+
+class Status(NamedTuple):
+    """A status, as in diagnostic_msgs/DiagnosticStatus.
+
+    :param name: without the name of the node
+    """
+
+    level: int
+    name: str
+    message: str
+    values: List[Tuple[str, str]]
+
+
+def statuses(health: BridgeHealth) -> List[Status]:
+    """Return the statuses: always the same, so that none becomes stale when a topic ends."""
+    return [
+        _of_bridge(health),
+        _of_topics(health, to_ros2=True),
+        _of_topics(health, to_ros2=False),
+        _of_not_bridged(health.not_bridged),
+    ]
+
+
+def is_well(health: BridgeHealth) -> bool:
+    """Return whether no status is above OK."""
+    return all(status.level == OK for status in statuses(health))
+
+
+def _of_bridge(health: BridgeHealth) -> Status:
+    values = [
+        ("topics to ROS 2", str(len(_topics(health, True)))),
+        ("topics to ROS 1", str(len(_topics(health, False)))),
+        ("services", str(health.services)),
+        ("actions", str(health.actions)),
+        ("memory [bytes]", str(health.memory)),
+    ]
+    if health.trouble:
+        return Status(ERROR, "bridge", health.trouble, values)
+    return Status(OK, "bridge", "follows both graphs", values)
+
+
+def _topics(health: BridgeHealth, to_ros2: bool) -> Dict[str, TopicHealth]:
+    return {
+        route.name: state
+        for route, state in sorted(health.topics.items())
+        if route.to_ros2 == to_ros2
+    }
+
+
+def _is_active(state: TopicHealth) -> bool:
+    """Return whether a topic has had messages."""
+    counts = state.counts
+    return any((counts.passed, counts.lost, counts.refused, counts.unread, counts.thinned))
+
+
+def _of_topics(health: BridgeHealth, to_ros2: bool) -> Status:
+    topics = _topics(health, to_ros2)
+    active = {name: state for name, state in topics.items() if _is_active(state)}
+    values = [(name, _as_text(state, to_ros2)) for name, state in active.items()]
+    values.append(("topics without messages", str(len(topics) - len(active))))
+    faulty = [f"{name} ({_faults(state)})" for name, state in active.items() if state.recent]
+    name = f"topics to ROS {2 if to_ros2 else 1}"
+    if faulty:
+        more = len(faulty) - _MOST_NAMED
+        text = ", ".join(faulty[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+        return Status(WARN, name, f"in the last 10 s: {text}", values)
+    rate = sum(state.rate for state in active.values())
+    return Status(OK, name, f"{rate:.1f} messages/s; topics with messages: {len(active)}", values)
+
+
+def _faults(state: TopicHealth) -> str:
+    return ", ".join(f"{count} {_FAULTS[name]}" for name, count in state.recent.items())
+
+
+def _as_text(state: TopicHealth, to_ros2: bool) -> str:
+    counts = state.counts
+    found = [f"{state.rate:.1f} Hz", f"{counts.passed} passed"]
+    found += [
+        f"{getattr(counts, name)} {what}" for name, what in _FAULTS.items() if getattr(counts, name)
+    ]
+    if counts.thinned:
+        found.append(f"{counts.thinned} dropped by max_rate")
+    return ", ".join([*found, f"queue {_queue(counts.held, to_ros2)}"])
+
+
+def _queue(held: int, to_ros2: bool) -> str:
+    """Return the size of a queue; to ROS 2, the most it may have."""
+    return f"at most {held} bytes" if to_ros2 else f"{held} bytes"
+
+
+def _of_not_bridged(reasons: Sequence[str]) -> Status:
+    values = [(str(number), reason) for number, reason in enumerate(reasons, 1)]
+    if not reasons:
+        return Status(OK, "not bridged", "nothing", values)
+    what = f"{len(reasons)}, such as {reasons[0]}" if len(reasons) > 1 else reasons[0]
+    return Status(WARN, "not bridged", f"{what}; ~deny excludes a name", values)
+
+
+def table(node: str, health: BridgeHealth) -> str:
+    """Return the report for a terminal.
+
+    :param node: name of the bridge
+    """
+    head, *others = statuses(health)
+    lines = [f"{node}: {head.message}; {', '.join(f'{name} {what}' for name, what in head.values)}"]
+    rows = [_COLUMNS]
+    idle = 0
+    for route, state in sorted(health.topics.items()):
+        if _is_active(state):
+            rows.append(_row(route, state))
+        else:
+            idle += 1
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    if len(rows) > 1:
+        for row in rows:
+            cells = [row[0].ljust(widths[0]), row[1].ljust(widths[1])]
+            cells += [cell.rjust(width) for cell, width in zip(row[2:], widths[2:])]
+            lines.append("  ".join(cells).rstrip())
+    lines.append(f"topics without messages: {idle}")
+    lines += [f"WARN {one.name}: {one.message}" for one in others[:2] if one.level]
+    lines += [f"not bridged: {reason}" for reason in health.not_bridged]
+    return "\n".join(lines)
+
+
+def _row(route: Route, state: TopicHealth) -> Tuple[str, ...]:
+    counts = state.counts
+    numbers = (counts.passed, counts.lost, counts.refused, counts.unread, counts.thinned)
+    return (
+        route.name,
+        "ROS 2" if route.to_ros2 else "ROS 1",
+        f"{state.rate:.1f}",
+        *map(str, numbers),
+        _queue(counts.held, route.to_ros2),
+    )

@@ -72,8 +72,10 @@ def test_warning_names_three_topics_and_counts_the_others() -> None:
     state = TopicHealth(TopicCounts(refused=1, unread=2), 0.0, {"refused": 1, "unread": 2})
     one = health({Route(f"/t{number}", False): state for number in range(5)})
     what = "(1 refused, 2 dropped for subscribers that do not read)"
-    expected = f"in the last 10 s: /t0 {what}, /t1 {what}, /t2 {what} and 2 more"
-    assert statuses(one)[2].message == expected
+    expected = f"in the last 10 s: /t0 {what}, /t1 {what}, /t2 {what}"
+    assert statuses(one)[2].message == f"{expected} and 2 more"
+    three = {route: state for route, state in one.topics.items() if route.name < "/t3"}
+    assert statuses(health(three))[2].message == expected
 
 
 def test_what_is_not_bridged_is_a_warning_with_each_reason() -> None:

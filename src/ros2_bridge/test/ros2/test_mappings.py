@@ -1,5 +1,6 @@
 """Types with other fields or names in ROS 2, through a running bridge."""
 
+import pathlib
 import struct
 from typing import Any
 
@@ -87,3 +88,32 @@ def test_draft_is_a_rule_that_the_bridge_accepts(ros: both.Both) -> None:
     with both.Running("ros2_bridge", "bridge", "--draft-mapping", "a/B") as refused:
         assert refused.wait() == 1
         assert "needs a ROS 1 type and a ROS 2 type" in refused.logged()[-1]
+
+
+def test_printed_pairs_follow_the_rules_in_a_file(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "mappings.yaml"
+
+    def printed(text: str) -> both.Running:
+        file.write_text(text)
+        with both.Running("ros2_bridge", "bridge", "--print-pairs", str(file)) as command:
+            command.wait()
+        return command
+
+    command = printed(f"mappings: {RULE.partition(':=')[2]}\n")
+    assert command.popen.returncode == 0
+    assert "geometry_msgs/PoseStamped <=> geometry_msgs/msg/TransformStamped" in command.lines
+    assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in command.lines
+    for text, why in (
+        ("mappings: [{ros1: geometry_msgs/Pose, ros2: geometry_msgs/msg/Point}]", "orientation"),
+        (
+            "mappings: [{ros1: acme_msgs, ros2: nowhere_msgs}]",
+            "acme_msgs is not installed in ROS 1",
+        ),
+        ("rules: []", "must have mappings, a list of rules, and nothing else"),
+        ("mappings: [", "while parsing"),
+    ):
+        command = printed(text)
+        assert (command.popen.returncode, command.lines) == (1, [])
+        assert command.error_lines[0].startswith("bridge: --print-pairs: ")
+        assert why in " ".join(command.error_lines)
+        assert not any("Traceback" in line for line in command.error_lines)

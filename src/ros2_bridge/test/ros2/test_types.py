@@ -19,7 +19,8 @@ from unique_identifier_msgs.msg import UUID
 
 from ros2_bridge.actions.status_list import ListedGoal, read_list, write_list
 from ros2_bridge.types.mapping_rules import MappingRuleError
-from ros2_bridge.types.type_registry import TypeRegistry, Unbridgeable, package_folder
+from ros2_bridge.types.definition_folders import package_folder
+from ros2_bridge.types.type_registry import TypeRegistry, Unbridgeable
 
 PACKAGES = (
     "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"

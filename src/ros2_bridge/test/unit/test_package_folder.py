@@ -5,19 +5,20 @@ import pathlib
 import pytest
 import rospkg
 
-from ros2_bridge.types import type_registry
+from ros2_bridge.types import definition_folders
+from ros2_bridge.types.definition_folders import package_folder
 
 
 def test_definitions_without_a_package_are_found(
     monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
-    monkeypatch.setattr(type_registry, "SHARE", tmp_path)
+    monkeypatch.setattr(definition_folders, "SHARE", tmp_path)
     (tmp_path / "only_text_msgs" / "srv").mkdir(parents=True)
     (tmp_path / "no_definitions").mkdir()
     packages = rospkg.RosPack()
-    assert type_registry.package_folder(packages, "only_text_msgs") == tmp_path / "only_text_msgs"
-    assert type_registry.package_folder(packages, "no_definitions") is None
+    assert package_folder(packages, "only_text_msgs") == tmp_path / "only_text_msgs"
+    assert package_folder(packages, "no_definitions") is None
     # An existing package takes precedence.
     (tmp_path / "nodekit_msgs" / "srv").mkdir(parents=True)
-    found = type_registry.package_folder(packages, "nodekit_msgs")
+    found = package_folder(packages, "nodekit_msgs")
     assert found == pathlib.Path(packages.get_path("nodekit_msgs"))

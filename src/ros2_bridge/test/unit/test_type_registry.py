@@ -15,12 +15,24 @@ from ros2_bridge.types.type_registry import TypeRegistry
 
 BRIDGE = pathlib.Path(__file__).resolve().parents[2]
 #: Definitions in ROS 1, and fields in ROS 2 by type.
-ROS1 = {"Arm": "int16 left\nint16 right\n", "Arms": "Arm one\nArm[] all\n", "Range": "int16 x\n"}
+ROS1 = {
+    "Arm": "int16 left\nint16 right\n",
+    "Arms": "Arm one\nArm[] all\n",
+    "Range": "int16 x\n",
+    "arm_pair": "signal_msg first\nArm[] all\n",
+    "signal_msg": "int16 y\n",
+    "imu_data": "int16 z\n",
+}
 ROS2 = {
     "acme_msgs/Arm": {"left": "int16", "right": "int16"},
     "acme_msgs/Arms": {"one": "acme_msgs/Arm", "all": "sequence<acme_msgs/Arm>"},
     "acme_msgs/Range": {"x": "int16", "variance": "int16"},
     "other_msgs/Limb": {"left": "int16", "right": "int16"},
+    "other_msgs/Arm": {"left": "int16", "right": "int16"},
+    "other_msgs/ArmPair": {"first": "other_msgs/SignalMsg", "all": "sequence<other_msgs/Arm>"},
+    "other_msgs/SignalMsg": {"y": "int16"},
+    "other_msgs/ImuData": {"z": "int16"},
+    "other_msgs/IMUData": {"z": "int16"},
 }
 ARM = {"ros1": "acme_msgs/Arm", "ros2": "acme_msgs/msg/Arm"}
 CROSSED = {"left": "right", "right": "left"}
@@ -107,6 +119,46 @@ def test_rule_for_packages_that_are_not_installed_is_refused(registry: Callable[
         registry([{"ros1": "acme_msg", "ros2": "other_msg"}])
     assert "package acme_msg is not installed in ROS 1" in str(caught.value)
     assert "package other_msg is not installed in ROS 2" in str(caught.value)
+
+
+def test_rule_for_a_package_pairs_names_that_are_in_camel_case_in_ros2(
+    registry: Callable[..., Any],
+) -> None:
+    types_ = registry([{"ros1": "acme_msgs", "ros2": "other_msgs"}])
+    signal = types_.message("acme_msgs/signal_msg")
+    assert signal.ros2 == "other_msgs/SignalMsg"
+    assert types_.ros1_name("other_msgs/msg/SignalMsg") == "acme_msgs/signal_msg"
+    pair = types_.message("acme_msgs/arm_pair")
+    assert pair.ros2 == "other_msgs/ArmPair"
+    data = struct.pack("<hIhh", 7, 1, 3, 4)
+    assert pair.codec.to_ros1(pair.codec.to_cdr(data)) == data
+
+
+def test_rule_for_a_package_with_several_names_that_match_names_them(
+    registry: Callable[..., Any],
+) -> None:
+    types_ = registry([{"ros1": "acme_msgs", "ros2": "other_msgs"}])
+    with pytest.raises(Unbridgeable, match="the names imu_data, IMUData, ImuData differ in case"):
+        types_.message("acme_msgs/imu_data")
+    imu = {"ros1": "acme_msgs/imu_data", "ros2": "other_msgs/msg/ImuData"}
+    types_ = registry([{"ros1": "acme_msgs", "ros2": "other_msgs"}, imu])
+    assert types_.message("acme_msgs/imu_data").ros2 == "other_msgs/ImuData"
+
+
+def test_candidates_are_the_types_of_shared_packages_and_of_the_rules(
+    registry: Callable[..., Any], tmp_path: pathlib.Path
+) -> None:
+    index = tmp_path / "share" / "ament_index" / "resource_index" / "rosidl_interfaces"
+    index.mkdir(parents=True)
+    (index / "other_msgs").touch()
+    assert registry([]).candidates() == []
+    assert registry([LIMB]).candidates() == [("msg", "acme_msgs/Arm")]
+    renamed = {"ros1": "acme_msgs", "ros2": "other_msgs"}
+    every = [("msg", f"acme_msgs/{name}") for name in sorted(ROS1)]
+    assert registry([renamed]).candidates() == every
+    assert registry([renamed, LIMB]).candidates() == every
+    (index / "acme_msgs").touch()
+    assert registry([]).candidates() == every
 
 
 def test_draft_for_a_type_with_a_rule_of_the_bridge_replaces_that_rule(

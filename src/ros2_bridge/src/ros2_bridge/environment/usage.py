@@ -6,14 +6,16 @@ from nodekit import describe, format_value
 from ros2_bridge.rules.settings import BridgeParameters
 
 _HEAD = """\
-usage: bridge [--print-pairs | --draft-mapping ROS1_TYPE ROS2_TYPE] [_PARAMETER:=VALUE ...]
+usage: bridge [--print-pairs [FILE] | --draft-mapping ROS1_TYPE ROS2_TYPE] [_PARAMETER:=VALUE ...]
 
 Bridge topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2,
 until Ctrl-C.
 
 options:
   -h, --help     print this help and exit
-  --print-pairs  print the bridged types (the others, with the reason, on standard error) and exit
+  --print-pairs [FILE]
+                 print the bridged types (the others, with the reason, on standard error) and exit;
+                 FILE has mapping rules, as of mappings_file:=
   --draft-mapping ROS1_TYPE ROS2_TYPE
                  print a mapping rule for two types, such as a/Arm b/msg/Arm, in which fields
                  without a counterpart are left out, and exit

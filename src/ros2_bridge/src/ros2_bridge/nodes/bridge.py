@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List
 
 import yaml
 
-from nodekit import Node, run
+from nodekit import Node, ParameterError, run
 from nodekit.entry_point import end
 from ros2_bridge.environment.ros1_messages import String, Trigger
 from ros2_bridge.graph_loop import GraphLoop
@@ -13,7 +13,7 @@ from ros2_bridge.ros1.single_instance import marker, exit_if_second
 from ros2_bridge.rules.settings import BridgeParameters
 from ros2_bridge.rules.skip_log import Unbridgeable
 from ros2_bridge.types.mapping_rules import MappingRuleError
-from ros2_bridge.types.type_registry import TypeRegistry, shared_types
+from ros2_bridge.types.type_registry import TypeRegistry
 
 
 class Bridge:
@@ -46,15 +46,23 @@ class Bridge:
             self._statistics.publish(String(yaml.safe_dump(self._loop.statistics())))
 
 
-def print_pairs() -> None:
-    """Print each pair of types; on standard error, types with the same name that differ."""
-    types = TypeRegistry()
+def print_pairs(arguments: List[str]) -> None:
+    """Print each pair of types; on standard error, types with the same name that differ.
+
+    :param arguments: at most a YAML file with the user's mapping rules
+    """
+    if len(arguments) > 1:
+        end(f"bridge: --print-pairs takes at most a file of mapping rules, not {arguments[1]}")
+    try:
+        types = TypeRegistry(read_rules(arguments[0]) if arguments else None)
+    except (OSError, ParameterError, ValueError, yaml.YAMLError) as error:
+        end(f"bridge: --print-pairs: {' '.join(str(error).split())}")  # YAML's take several lines
     finders: Dict[str, Callable[[str], Any]] = {
         "msg": types.message,
         "srv": types.service,
         "action": types.action,
     }
-    for kind, name in shared_types():
+    for kind, name in types.candidates():
         try:
             other = finders[kind](name).ros2
         except Unbridgeable as reason:
@@ -62,6 +70,20 @@ def print_pairs() -> None:
             continue
         package, _, base = other.partition("/")
         print(f"{name} <=> {package}/{kind}/{base}")
+
+
+def read_rules(path: str) -> Any:
+    """Return the mapping rules in a file, as of ``mappings_file:=``.
+
+    :raises OSError: if it cannot be read
+    :raises yaml.YAMLError: if it is not YAML
+    :raises ValueError: if it has no ``mappings``
+    """
+    with open(path, encoding="utf-8") as file:
+        found = yaml.safe_load(file)
+    if not isinstance(found, dict) or set(found) != {"mappings"}:
+        raise ValueError(f"{path}: must have mappings, a list of rules, and nothing else")
+    return found["mappings"]
 
 
 def print_draft(names: List[str]) -> None:
@@ -83,7 +105,7 @@ def print_draft(names: List[str]) -> None:
 def main() -> None:
     """Run the bridge until it is shut down."""
     if "--print-pairs" in sys.argv:
-        print_pairs()
+        print_pairs(sys.argv[sys.argv.index("--print-pairs") + 1 :])
         return
     if "--draft-mapping" in sys.argv:
         print_draft(sys.argv[sys.argv.index("--draft-mapping") + 1 :])

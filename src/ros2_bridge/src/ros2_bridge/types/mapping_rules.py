@@ -6,6 +6,8 @@ import re
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from nodekit import ParameterError
+from ros2_bridge.types.name_pairs import pair_names
+from ros2_bridge.types.ros2_interfaces import twin_type
 from ros2_bridge.types.type_pair import FieldRules
 
 #: Parts of each kind of interface, as ROS 1 ends the names of their types.
@@ -73,6 +75,11 @@ class MappingRules:
                 self._types[one.kind, one.ros1] = one
         self._back = {(rule.kind, rule.ros2): rule.ros1 for rule in self._types.values()}
         self._packages_back = {its: ours for ours, its in self.packages.items()}
+        #: ROS 2 name of each type of a renamed package, by kind and ROS 1 name, and back
+        self._names: Dict[Tuple[str, str], str] = {}
+        self._names_back: Dict[Tuple[str, str], str] = {}
+        #: by kind and ROS 1 name: why a type of a renamed package has no counterpart
+        self.unclear: Dict[Tuple[str, str], str] = {}
 
     def _add(self, rule: Any) -> None:
         names = _names(rule)
@@ -91,6 +98,26 @@ class MappingRules:
             raise MappingRuleError(f"{names[0]} or {names[1]} is in several rules")
         self.packages[names[0]] = names[1]
 
+    def pair_types(self, kind: str, package: str, ros1: Iterable[str], ros2: Iterable[str]) -> None:
+        """Pair the types of a renamed package, except those with a rule of their own.
+
+        :param package: name in ROS 1
+        :param ros1, ros2: names of its types of this kind, without the package
+        """
+        other = self.packages[package]
+        pairs = pair_names(
+            [name for name in ros1 if (kind, f"{package}/{name}") not in self._types],
+            [name for name in ros2 if (kind, f"{other}/{name}") not in self._back],
+        )
+        for name, its in pairs.found.items():
+            self._names[kind, f"{package}/{name}"] = f"{other}/{its}"
+            self._names_back[kind, f"{other}/{its}"] = f"{package}/{name}"
+        for name, names in pairs.unclear.items():
+            self.unclear[kind, f"{package}/{name}"] = (
+                f"{package}/{name}: the names {', '.join(names)} differ in case and underscores"
+                f" only; name its counterpart in {other} in a mapping rule for the type"
+            )
+
     def _is_named(self, rule: TypeRule) -> bool:
         """Return whether another rule names a type of this one."""
         theirs = {(one.kind, one.ros2) for one in self._types.values()}
@@ -101,14 +128,17 @@ class MappingRules:
         if (kind, name) in self._types:
             return self._types[kind, name].ros2
         package, _, base = name.partition("/")
-        return f"{self.packages[package]}/{base}" if package in self.packages else ""
+        other = self.packages.get(package)
+        default = twin_type(f"{other}/{base}") if other is not None else ""
+        return self._names.get((kind, name), default)
 
     def ros1_name(self, kind: str, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/Name``; empty without a rule."""
         if (kind, name) in self._back:
             return self._back[kind, name]
         package, _, base = name.partition("/")
-        return f"{self._packages_back[package]}/{base}" if package in self._packages_back else ""
+        ours = self._packages_back.get(package)
+        return self._names_back.get((kind, name), f"{ours}/{base}" if ours is not None else "")
 
     def is_taken(self, kind: str, ros1: str, ros2: str) -> bool:
         """Return whether a rule gives a ROS 1 type another counterpart than this ROS 2 type."""
@@ -124,6 +154,11 @@ class MappingRules:
     def fields(self) -> Dict[str, FieldRules]:
         """The rules for fields, by ROS 1 type."""
         return {name: one for rule in self._types.values() for name, one in rule.fields.items()}
+
+
+def is_type_name(name: str) -> bool:
+    """Return whether a name, without the package, is that of a type in ROS 2."""
+    return _ROS2.match(f"package/msg/{name}") is not None
 
 
 def _as_list(rules: Any) -> List[Any]:

@@ -3,11 +3,10 @@
 import contextlib
 import importlib
 import importlib.util
-import os
 import pathlib
 import sys
 import threading
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Tuple, Union
 
 import genmsg.gentools
 import genmsg.msg_loader
@@ -19,12 +18,16 @@ from nodekit.message_definitions import Fields, parse
 from ros2_bridge.rules.skip_log import Unbridgeable
 from ros2_bridge.types.codec import Codec, MappedCodec
 from ros2_bridge.types.compatibility import difference, in_ros1_terms
+from ros2_bridge.types.definition_folders import DefinitionFolders, names_in_package, shared_types
 from ros2_bridge.types.field_mapping import FieldMapping, MappingError, unassigned
-from ros2_bridge.types.mapping_rules import PARTS, MappingRuleError, MappingRules
+from ros2_bridge.types.mapping_rules import (
+    PARTS,
+    MappingRuleError,
+    MappingRules,
+    is_type_name,
+)
 from ros2_bridge.types.ros2_interfaces import twin_type
 
-#: Debian's folder of packages.
-SHARE = pathlib.Path("/usr/share")
 #: Exceptions for a type that does not exist.
 _UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
 #: Converter of a type: with the same fields in both ROSes, or by mapping rules.
@@ -98,7 +101,7 @@ class TypeRegistry:
         if left_out.exists():  # an earlier release wrote no such file
             self._left_out = yaml.safe_load(left_out.read_text("utf-8"))
         self._back = {its: ours for ours, its in self._names.items() if "/" in ours}
-        self._folders = _Folders(rospkg.RosPack())
+        self._folders = DefinitionFolders(rospkg.RosPack())
         self._known: Dict[Tuple[str, str], Any] = {}
         self._lock = threading.Lock()
         builtin = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"), "config", "mappings.yaml")
@@ -114,6 +117,9 @@ class TypeRegistry:
                 errors.append(f"package {ours} is not installed in ROS 1")
             if importlib.util.find_spec(its) is None:
                 errors.append(f"package {its} is not installed in ROS 2")
+            for kind in PARTS:
+                names = names_in_package(self._folders.packages, ours, kind)
+                self._rules.pair_types(kind, ours, names, _names_in_ros2(its, kind))
         for rule in self._rules.own:
             try:
                 finders[rule.kind](rule.ros1)
@@ -121,6 +127,11 @@ class TypeRegistry:
                 errors.append(str(reason))
         if errors:
             raise MappingRuleError("; ".join(errors))
+
+    def candidates(self) -> List[Tuple[str, str]]:
+        """Return kind and name of each ROS 1 type that may have a counterpart, by the rules too."""
+        own = [(rule.kind, rule.ros1) for rule in self._rules.own]
+        return list(dict.fromkeys([*shared_types(self._rules.packages), *own]))
 
     def ros2_name(self, kind: str, name: str) -> str:
         """Return the ROS 2 name, ``package/Name``, of a ROS 1 message, service or action type."""
@@ -300,6 +311,8 @@ class TypeRegistry:
         return mapping, Codec(other, theirs)
 
     def _import(self, name: str, kind: str) -> Any:
+        if (kind, name) in self._rules.unclear:
+            raise Unbridgeable(self._rules.unclear[kind, name])
         package, _, base = self.ros2_name(kind, name).partition("/")
         source = f"{name.replace('/', f'/{kind}/')}.{kind}"
         reason = self._left_out.get(source) or self._left_out.get(name.partition("/")[0])
@@ -335,57 +348,18 @@ def _ros2_class(package: str, kind: str, base: str) -> Any:
     return cls
 
 
+def _names_in_ros2(package: str, kind: str) -> List[str]:
+    """Return the names of a ROS 2 package's types of one kind, without the package."""
+    try:
+        found = importlib.import_module(f"{package}.{kind}")
+    except ImportError:  # it has none
+        return []
+    return [name for name in dir(found) if is_type_name(name)]
+
+
 def _name_of(cls: Any) -> str:
     """Return the name of a ROS 2 class, ``package/Name``."""
     return f"{cls.__module__.partition('.')[0]}/{cls.__name__}"
-
-
-def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path]:
-    """Return the folder of a package's definitions, or None.
-
-    :param packages: ROS 1's packages; Debian also has definitions without a package.xml
-    """
-    with contextlib.suppress(rospkg.ResourceNotFound):
-        return pathlib.Path(packages.get_path(name))
-    place = SHARE / name
-    return place if any((place / kind).is_dir() for kind in ("msg", "srv")) else None
-
-
-def shared_types() -> Iterator[Tuple[str, str]]:
-    """Yield kind and name of each ROS 1 type in packages that ROS 2 also has."""
-    packages = rospkg.RosPack()
-    index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
-    for package in sorted(os.listdir(str(index / "rosidl_interfaces"))):
-        place = package_folder(packages, package)
-        if place is None:
-            continue
-        for kind in ("msg", "srv", "action"):
-            for path in sorted(place.glob(f"{kind}/*.{kind}")):
-                yield kind, f"{package}/{path.stem}"
-
-
-class _Folders(Dict[str, List[str]]):
-    """Folders of definitions by package, searched when genmsg requests them."""
-
-    def __init__(self, packages: rospkg.RosPack) -> None:
-        super().__init__()
-        self._packages = packages
-
-    def __contains__(self, package: object) -> bool:
-        return package_folder(self._packages, str(package)) is not None
-
-    def __getitem__(self, package: str) -> List[str]:
-        folder = package_folder(self._packages, package)
-        if folder is None:
-            return []
-        # A build writes the messages of an action to another folder.
-        built = [pathlib.Path(place) / "share" / package for place in _prefixes()]
-        return [str(place / kind) for place in (folder, *built) for kind in ("msg", "srv")]
-
-
-def _prefixes() -> List[str]:
-    """Return the folders of the active ROS 1 workspaces."""
-    return [place for place in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if place]
 
 
 @contextlib.contextmanager

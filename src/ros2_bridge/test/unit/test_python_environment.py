@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import pathlib
+import platform
 import sys
 from typing import Dict, List, Sequence
 
@@ -31,6 +32,7 @@ def place(tmp_path: pathlib.Path) -> pathlib.Path:
 def wheels(monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path) -> pathlib.Path:
     """Return a list of wheels, of any Python."""
     monkeypatch.setattr(python_environment, "PYTHONS", (sys.version_info[:2],))
+    monkeypatch.setattr(python_environment, "MACHINES", (platform.machine(),))
     path = tmp_path / "wheels.txt"
     path.write_text("x==1.0\n")
     return path
@@ -80,11 +82,26 @@ def test_unsupported_python_is_rejected(
     capsys: "pytest.CaptureFixture[str]",
     tmp_path: pathlib.Path,
 ) -> None:
+    monkeypatch.setattr(python_environment, "MACHINES", (platform.machine(),))
     monkeypatch.setattr(python_environment, "PYTHONS", ((3, 2),))
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", str(tmp_path / "ros2")])
     assert make_environment.main() == 125
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
+
+
+def test_processor_without_wheels_is_named_with_what_works(
+    monkeypatch: "pytest.MonkeyPatch", wheels: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    monkeypatch.setattr(python_environment, "MACHINES", ("x86_64",))
+    monkeypatch.setattr(platform, "machine", lambda: "aarch64")
+    with pytest.raises(Unavailable) as caught:
+        Environment(tmp_path / "ros2").make(wheels, {})
+    assert str(caught.value) == (
+        "PyPI has ROS 2 for x86_64 only, and this is aarch64; start the bridge on such a machine,"
+        " with ROS_MASTER_URI set to this one's master"
+    )
+    assert not (tmp_path / "ros2").exists()
 
 
 def test_folder_that_cannot_be_written_to_is_named(

@@ -8,6 +8,7 @@ import fcntl
 import hashlib
 import os
 import pathlib
+import platform
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_int
 
 #: Python versions with wheels.
 PYTHONS = ((3, 11), (3, 12), (3, 13), (3, 14))
+#: Processors with wheels, as ``uname -m`` names them.
+MACHINES = ("x86_64",)
 #: ROS 1 packages that exist in ROS 2 but not on PyPI: their bridged types.
 WITHOUT_WHEEL = {
     "tf2_msgs": {"msg/TFMessage.msg": "geometry_msgs/TransformStamped[] transforms\n"},
@@ -90,7 +93,7 @@ class PythonEnvironment:
         if stamp.exists() and stamp.read_text("utf-8") == wanted and self._names.exists():
             self.build_twins(packages)
             return
-        check_python()
+        check_platform()
         say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
         if self._folder.exists():
             self._folder.rename(self._previous)
@@ -281,8 +284,13 @@ def first_error(log: str) -> str:
     return errors[0].strip()
 
 
-def check_python() -> None:
-    """Reject a Python version without wheels."""
+def check_platform() -> None:
+    """Reject a processor or a Python version without wheels."""
+    if platform.machine() not in MACHINES:
+        raise Unavailable(
+            f"PyPI has ROS 2 for {', '.join(MACHINES)} only, and this is {platform.machine()};"
+            " start the bridge on such a machine, with ROS_MASTER_URI set to this one's master"
+        )
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)
         mine = "%d.%d" % sys.version_info[:2]

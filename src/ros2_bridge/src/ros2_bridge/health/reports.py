@@ -140,7 +140,7 @@ def table(node: str, health: BridgeHealth) -> str:
     """
     head, *others = statuses(health)
     lines = [f"{node}: {head.message}; {', '.join(f'{name} {what}' for name, what in head.values)}"]
-    rows = [_COLUMNS]
+    rows: List[Tuple[str, ...]] = [_COLUMNS]
     idle = 0
     for route, state in sorted(health.topics.items()):
         if _is_active(state):

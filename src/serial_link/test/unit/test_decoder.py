@@ -190,3 +190,26 @@ def test_a_stray_sync_byte_costs_no_message() -> None:
     decoder, good = Decoder(), Frame(125, b"good")
     assert decoder.feed(START[:1] + encode(*good)) == [good]
     assert +decoder.faults == {GARBAGE: 1}
+
+
+@given(frames, st.lists(frames, max_size=3))
+def test_frame_that_arrives_at_once_is_validated_as_one_in_pieces(
+    message: Frame, inner: List[Frame]
+) -> None:
+    """A frame may hold others, by chance or because its length is wrong."""
+    data = encode(message.topic_id, message.payload + wire(inner))
+    at_once, in_pieces = Decoder(), Decoder()
+    found = at_once.feed(data) + at_once.flush()
+    pieces = [in_pieces.feed(data[:1]), in_pieces.feed(data[1:]), in_pieces.flush()]
+    assert found == sum(pieces, []) and +at_once.faults == +in_pieces.faults
+
+
+def test_no_frame_is_seen_in_damaged_bytes_of_its_size() -> None:
+    good = encode(125, b"1234")
+    for place in range(len(good)):
+        damaged = bytearray(good)
+        damaged[place] ^= 1
+        decoder = Decoder()
+        assert decoder.feed(bytes(damaged)) + decoder.flush() == []
+    decoder = Decoder(longest=3)
+    assert decoder.feed(good) == [] and decoder.faults[LENGTH] == 1

@@ -316,3 +316,14 @@ def test_board_on_a_slow_line_is_not_restarted_by_its_own_answers(baud: int) -> 
             actions += run(monitor, 0.0, now + 0.9 * frame)
             actions += monitor.handle(now + 0.9 * frame, TOPIC)
     assert actions.count(ASK) == 1 and RESTART not in actions
+
+
+def test_host_counts_as_forgotten_eleven_seconds_after_the_last_message() -> None:
+    monitor = synced_monitor()
+    for now in (1.0, 2.0):
+        assert monitor.handle(now, MESSAGE) == [] and monitor.state == SYNCED
+        assert monitor.next_due() == now + monitor.patience
+    while monitor.state != ASKED:
+        now = monitor.next_due()
+        monitor.poll(now)
+    assert now == 2.0 + OVERDUE_S

@@ -259,3 +259,23 @@ def test_longest_message_is_from_publishers() -> None:
     table.add(0.0, PUBLISHER, info(125, size=300))
     table.add(0.0, PUBLISHER, info(126, size=200))
     assert table.longest == 300
+
+
+def test_looked_up_topics_follow_later_announcements() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    table.add(0.0, PUBLISHER, info(125, "old"))
+    table.end_round(1.0)
+    found = [table.incoming(125)]
+    table.begin_round(1.0)
+    table.add(1.0, PUBLISHER, info(125, "new"))
+    found.append(table.incoming(125))
+    table.end_round(2.0)
+    table.begin_round(2.0)
+    table.add(2.0, PUBLISHER, info(126, "other"))
+    found.append(table.incoming(125))
+    table.end_round(3.0)
+    found += [table.incoming(125), table.incoming(126)]
+    table.reset()
+    found.append(table.incoming(126))
+    assert [one and one.name for one in found] == ["old", "new", "new", None, "other", None]

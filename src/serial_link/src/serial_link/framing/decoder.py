@@ -1,6 +1,6 @@
 """Frame decoder for byte streams that may be cut off, damaged or noisy."""
 
-from typing import Counter, List, Tuple
+from typing import Counter, List, Optional, Tuple
 
 from serial_link.framing.frames import (
     BEFORE_PAYLOAD,
@@ -60,8 +60,27 @@ class Decoder:
 
         :param data: the received bytes
         """
+        if not self._buffer and not self._noisy_frames:
+            frame = self._single_frame(data)
+            if frame is not None:
+                return [frame]
         self._buffer += data
         return self._extract_frames(is_over=False)
+
+    def _single_frame(self, data: bytes) -> Optional[Frame]:
+        """Return the frame if the bytes are one good frame; None if they may be anything else.
+
+        Mostly a read returns one frame: this takes a third of the time of a search for frames.
+        """
+        size = len(data) - OVERHEAD
+        if not 0 <= size <= self.longest or data.rfind(START) != 0:
+            return None
+        low, high, check, id_low, id_high = data[len(START) : BEFORE_PAYLOAD]
+        if low + 256 * high != size or (low + high + check) % 256 != 255:
+            return None
+        if sum(data[HEADER:]) % 256 != 255:
+            return None
+        return Frame(id_low + 256 * id_high, data[BEFORE_PAYLOAD:-1])
 
     def flush(self) -> List[Frame]:
         """Give up on an incomplete frame after a timeout.
@@ -98,7 +117,8 @@ class Decoder:
                 topic_id = buffer[start + HEADER] + 256 * buffer[start + HEADER + 1]
                 payload = bytes(buffer[start + BEFORE_PAYLOAD : position - 1])
                 frames.append(Frame(topic_id, payload))
-                self._noisy_frames = max(0, self._noisy_frames - 1)
+                if self._noisy_frames:
+                    self._noisy_frames -= 1
                 continue
             if kind != GARBAGE:
                 self.faults[kind] += 1
@@ -137,6 +157,8 @@ class Decoder:
 
     def _has_two_frames(self, start: int, stop: int) -> bool:
         """Return whether a range contains two good frames back to back."""
+        if stop - start < 2 * OVERHEAD:
+            return False
         place = self._buffer.find(START, start, stop)
         while place >= 0:
             end = self._end_of_good(place, stop)

@@ -18,6 +18,8 @@ HEADER, BEFORE_PAYLOAD, OVERHEAD = 5, 7, 8
 LONGEST = 0x7FFF
 
 _LENGTH, _ID = struct.Struct("<H"), struct.Struct("<H")
+#: Start, length, its checksum and topic id.
+_BEFORE_PAYLOAD = struct.Struct("<2sHBH")
 #: Size of id and length in the old protocol [bytes].
 _OLD_HEADER = 4
 
@@ -33,14 +35,6 @@ class Frame(NamedTuple):
     payload: bytes
 
 
-def checksum(data: bytes) -> int:
-    """Return the checksum of some bytes: it makes their sum 255, modulo 256.
-
-    :param data: the bytes
-    """
-    return 255 - sum(data) % 256
-
-
 def encode(topic_id: int, payload: bytes) -> bytes:
     """Return an encoded frame.
 
@@ -48,11 +42,13 @@ def encode(topic_id: int, payload: bytes) -> bytes:
     :param payload: a serialized message
     :raises ValueError: if the payload is too long for a frame
     """
-    if len(payload) > LONGEST:
-        raise ValueError(f"a payload of {len(payload)} bytes: at most {LONGEST} fit into a frame")
-    length = _LENGTH.pack(len(payload))
-    body = _ID.pack(topic_id) + payload
-    return b"".join((START, length, bytes((checksum(length),)), body, bytes((checksum(body),))))
+    length = len(payload)
+    if length > LONGEST:
+        raise ValueError(f"a payload of {length} bytes: at most {LONGEST} fit into a frame")
+    length_sum = 255 - sum(divmod(length, 256)) % 256
+    body_sum = 255 - (sum(divmod(topic_id, 256)) + sum(payload)) % 256
+    head = _BEFORE_PAYLOAD.pack(START, length, length_sum, topic_id)
+    return b"%b%b%c" % (head, payload, body_sum)
 
 
 #: Topic request of the protocol before ROS Hydro, seven bytes. A newer board takes the last one,

@@ -61,6 +61,8 @@ class TopicTable:
         self._settled_s = SETTLED_S + frame_s
         #: By direction (0: from the board) and topic id: the announcing id, and the info.
         self._infos: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
+        #: Topics and services by the ids of their frames from the board, as far as looked up.
+        self._incoming: Dict[int, Endpoint] = {}
         self._seen: Set[Tuple[int, int]] = set()
         #: Announced only once, or differently the last time.
         self._unconfirmed: Set[Tuple[int, int]] = set()
@@ -76,6 +78,7 @@ class TopicTable:
     def reset(self) -> None:
         """Clear the topics: the board was restarted, perhaps with another sketch."""
         self._infos, self.is_complete = {}, False
+        self._incoming.clear()
         self._unconfirmed.clear()
         self._suspects.clear()
         self._rounds, self._is_final = 0, False
@@ -107,6 +110,7 @@ class TopicTable:
         :param info: its content
         :returns: False if the table is full
         """
+        self._incoming.clear()
         key = (info_id % 2, info.topic_id)
         if key not in self._infos and len(self._infos) >= MOST_TOPICS:
             return False
@@ -144,6 +148,7 @@ class TopicTable:
         if self._ends_at is None or now < self._ends_at:
             return None
         self._ends_at = None
+        self._incoming.clear()
         if self._seen and not self._is_damaged:
             self._infos = {key: entry for key, entry in self._infos.items() if key in self._seen}
             self._unconfirmed &= self._seen
@@ -157,8 +162,13 @@ class TopicTable:
 
         :param topic_id: of the frame
         """
-        entry = self._infos.get((PUBLISHER, topic_id))
-        return self._endpoint(*entry) if entry else None
+        found = self._incoming.get(topic_id)
+        if found is None:
+            entry = self._infos.get((PUBLISHER, topic_id))
+            found = self._endpoint(*entry) if entry else None
+            if found is not None:
+                self._incoming[topic_id] = found
+        return found
 
     def accepts(self, info: TopicInfo) -> bool:
         """Return whether the board has announced this info since its last start.

@@ -161,6 +161,22 @@ def test_messages_pass_in_both_directions(rig: Rig) -> None:
     assert figures["openings"] == 1 and figures["restarts of the board"] == 0
 
 
+def test_messages_that_are_handled_immediately_do_not_go_into_the_inbox(rig: Rig) -> None:
+    handled: List[str] = []
+
+    def handle(endpoint: Any, payload: bytes) -> bool:
+        handled.append(endpoint.name)
+        return len(handled) > 1
+
+    rig.link.receive_now = handle
+    rig.start()
+    rig.fetch_until(Message)
+    wait_until(lambda: len(handled) > 20, lambda: f"{handled}")
+    left = [rig.link.inbox.get(0.0) for _ in range(20)]
+    assert set(handled) == {"topic_0_0"}
+    assert not any(isinstance(event, Message) for event in left)
+
+
 def test_messages_without_board_are_counted_and_loss_is_logged(rig: Rig) -> None:
     rig.start()
     info = rig.fetch_until(Topics).endpoints[-1].outgoing

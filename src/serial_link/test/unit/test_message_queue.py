@@ -6,6 +6,7 @@ from typing import Any, List
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nodekit.testing.waiting import wait_until
 from serial_link.host.message_queue import DEPTH, MOST_KEPT, MessageQueue
 
 
@@ -95,3 +96,27 @@ def test_waiting_reader_gets_message_or_none_on_close() -> None:
     queue.close()
     waiting.join(30.0)
     assert found == ["came", None]
+
+
+def test_queue_is_idle_only_while_its_reader_waits() -> None:
+    queue, found = MessageQueue(), []
+    assert not queue.is_idle
+    waiting = threading.Thread(target=lambda: found.append(queue.get(30.0)))
+    waiting.start()
+    wait_until(lambda: queue.is_idle, lambda: "the reader does not wait")
+    queue.put("a", 1)
+    assert not queue.is_idle  # the message may be in the reader's hands
+    waiting.join(30.0)
+    assert found == [1] and not queue.is_idle
+    assert queue.get(0.0) is None and not queue.is_idle
+
+
+def test_message_that_was_waited_for_can_still_be_replaced() -> None:
+    queue = MessageQueue(depth=1)
+    assert not queue.wait(0.0)
+    queue.put("a", 1)
+    assert queue.wait(30.0)
+    queue.put("a", 2)
+    assert fetch_all(queue) == [2]
+    queue.close()
+    assert queue.wait(30.0)

@@ -1,13 +1,15 @@
 """Events of a board, handled by its ROS side: parameter requests, and refused services."""
 
+import threading
 import time
-from typing import Any, Iterator, List
+from typing import Any, Iterator, List, Tuple
 
 import pytest
+from std_msgs.msg import UInt32
 
 from nodekit.testing.waiting import wait_until
 from serial_link.endpoints.ros_side import RosSide
-from serial_link.host.counters import REFUSED, Counters
+from serial_link.host.counters import MALFORMED, REFUSED, Counters
 from serial_link.host.message_queue import MessageQueue
 from serial_link.host.parameter_requests import ParameterRequests
 from serial_link.link.events import Message, ParameterRequest, Restarted, Topics
@@ -21,6 +23,9 @@ from serial_link.negotiation.payloads import (
 from serial_link.negotiation.topic_table import Endpoint
 
 INFO = TopicInfo(125, "strange", "no_such_msgs/Thing", "0" * 32, 280)
+COUNT = TopicInfo(126, "count", UInt32._type, UInt32._md5sum, 280)
+#: A topic that the board publishes, and a value that cannot be published.
+TOPIC, FAILS = Endpoint(PUBLISHER, COUNT.name, COUNT.type, COUNT, None), 99
 
 
 class FakeContext:
@@ -34,12 +39,23 @@ class FakeContext:
         self.parameter_requests = ParameterRequests()
         self.topic_requests = 0
         self.answers: List[str] = []
+        #: Published values, each with its thread; publishing waits until ``is_held`` is set.
+        self.published: List[Tuple[int, threading.Thread]] = []
+        self.is_held = threading.Event()
+        self.is_held.set()
 
     def create_scope(self) -> "FakeContext":
         return self
 
-    def create_publisher(self, *arguments: Any) -> "FakeContext":
+    def create_publisher(self, name: str, _class: Any, queue_size: int = 0) -> "FakeContext":
+        assert name == "/rosout" or queue_size > 0  # otherwise publish() may wait for a subscriber
         return self
+
+    def publish(self, message: Any) -> None:
+        self.published.append((message.data, threading.current_thread()))
+        if message.data == FAILS:
+            raise RuntimeError("publishing failed")
+        self.is_held.wait(30.0)
 
     def resolve(self, name: str) -> str:
         return "/" + name
@@ -129,3 +145,47 @@ def test_only_a_call_of_a_refused_service_requests_the_topics(
     rig.context.request("first")  # handled after the message
     rig.wait_for_answers("/first")
     assert (rig.refused(), rig.context.topic_requests) == (1, requests)
+
+
+def value(number: int) -> bytes:
+    return number.to_bytes(4, "little")
+
+
+def publish_first(rig: Rig) -> None:
+    """Let the topic be opened by its first message."""
+    assert not rig.context.receive_now(TOPIC, value(1))
+    rig.context.inbox.put(1, Message(TOPIC, value(1)))
+    wait_until(
+        lambda: rig.context.published and rig.context.inbox.is_idle, lambda: "nothing is published"
+    )
+
+
+def test_message_of_an_open_topic_is_published_in_the_calling_thread(rig: Rig) -> None:
+    publish_first(rig)
+    assert rig.context.receive_now(TOPIC, value(2))
+    assert rig.context.published[1] == (2, threading.current_thread())
+    moved = TOPIC._replace(incoming=COUNT._replace(topic_id=127))
+    assert not rig.context.receive_now(moved, value(3))
+    rig.context.inbox.put_reliable(Topics([], True))
+    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    assert not rig.context.receive_now(TOPIC, value(4))  # the board no longer publishes it
+
+
+def test_message_behind_an_unfinished_one_is_not_published_before_it(rig: Rig) -> None:
+    publish_first(rig)
+    rig.context.is_held.clear()
+    rig.context.inbox.put(1, Message(TOPIC, value(2)))
+    wait_until(lambda: len(rig.context.published) == 2, lambda: "nothing is published")
+    assert not rig.context.receive_now(TOPIC, value(3))
+    rig.context.is_held.set()
+
+
+def test_faulty_messages_are_counted_or_logged_in_the_calling_thread(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    publish_first(rig)
+    assert rig.context.receive_now(TOPIC, b"x")
+    assert rig.counters.to_dict() == {MALFORMED: 1}
+    assert rig.context.receive_now(TOPIC, value(FAILS))
+    assert "RuntimeError: publishing failed" in caplog.text
+    assert rig.context.receive_now(TOPIC, value(2))

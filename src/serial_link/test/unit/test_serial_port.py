@@ -195,6 +195,22 @@ def test_stuck_board_blocks_writer_only_briefly(
     assert "has accepted no bytes for 0.5 s" in stuck[0]
 
 
+def test_bytes_beyond_the_buffer_of_the_system_are_not_waited_for(
+    plugged: Tuple[PtyTransport, SerialPort],
+) -> None:
+    end, port = plugged
+    with pytest.raises(PortLost, match="is closed"):
+        port.write_now(b"x")
+    port.open(0.0)
+    assert port.write_now(b"all") == 3 and end.read() == b"all"
+    counts = []
+    while not counts or counts[-1]:
+        counts.append(port.write_now(bytes(1000)))
+    end.unplug()
+    with pytest.raises(PortLost, match="is gone"):
+        port.write_now(b"x")
+
+
 @pytest.mark.parametrize("is_native", [False, True])
 def test_native_usb_port_has_no_baud_rate_once_it_is_open(
     plugged: Tuple[PtyTransport, SerialPort], is_native: bool, monkeypatch: "pytest.MonkeyPatch"

@@ -80,6 +80,25 @@ def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
     end.unplug()
 
 
+def test_bytes_beyond_the_buffer_of_the_system_are_not_waited_for() -> None:
+    number = free_port()
+    port, end = only_port(number), TcpTransport("localhost", number)
+    with pytest.raises(PortLost, match="is closed"):
+        port.write_now(b"x")
+    port.open(0.0)
+    end.plug()
+    assert port.open(TIMEOUT_S)
+    counts = [port.write_now(bytes(10**6))]
+    while counts[-1]:
+        counts.append(port.write_now(bytes(10**6)))
+    assert counts[0] > 0
+    port.close()
+    with pytest.raises(PortLost, match="is closed"):
+        port.write_now(b"x")
+    port.release()
+    end.unplug()
+
+
 def test_server_listens_on_localhost_by_default() -> None:
     number = free_port()
     port = only_port(number)

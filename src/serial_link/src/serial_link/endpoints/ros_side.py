@@ -83,12 +83,15 @@ class RosSide:
         self._is_known = False
         self._asked: Optional[ParameterRequest] = None
         self._retry_at = 0.0
+        #: Topics that the board publishes and that have had a message.
+        self._published: Dict[Endpoint, PublishedTopic] = {}
         self._throttled_log = ThrottledLog(_WARN_EVERY_S)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
 
     def start(self) -> None:
         """Start the threads."""
+        self._link.receive_now = self._receive_now
         self._thread.start()
 
     def close(self) -> None:
@@ -137,8 +140,27 @@ class RosSide:
     def _receive(self, message: Message) -> None:
         # A board may send right after the request for its topics, before all are known.
         endpoint_in_ros = self._opened(_key(message.endpoint), message.endpoint)
+        if isinstance(endpoint_in_ros, PublishedTopic):
+            self._published[message.endpoint] = endpoint_in_ros
+        self._pass_on(endpoint_in_ros, message.payload)
+
+    def _receive_now(self, endpoint: Endpoint, payload: bytes) -> bool:
+        """Publish a message in the reader thread, if its topic is open and no event waits.
+
+        Waking up the thread of this object would take longer than all other work for a message.
+        """
+        topic = self._published.get(endpoint)
+        if topic is None or not self._link.inbox.is_idle:
+            return False
         try:
-            endpoint_in_ros.receive(message.payload)
+            self._pass_on(topic, payload)
+        except Exception:
+            self._throttled_log.log(rospy.logerr, traceback.format_exc(), "exception")
+        return True
+
+    def _pass_on(self, endpoint_in_ros: Any, payload: bytes) -> None:
+        try:
+            endpoint_in_ros.receive(payload)
         except MalformedMessage:
             self._counters.add(MALFORMED)
 
@@ -152,6 +174,7 @@ class RosSide:
             self._opened(key, endpoint)
 
     def _close(self, key: _Key) -> None:
+        self._published.clear()
         scope, _ = self._open.pop(key)
         scope.close()
         rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], self._placed(key[1]))

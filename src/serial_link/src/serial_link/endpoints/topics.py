@@ -13,6 +13,8 @@ from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
+#: Most messages held for a subscriber that does not read. With a limit, publishing never waits.
+_MOST_HELD = 200
 #: rosserial's library drops a frame that is incomplete after this time [s].
 _LONGEST_FRAME_S = 0.02
 _BITS, _OVERHEAD = 10, 8
@@ -29,7 +31,7 @@ class PublishedTopic:
     def __init__(self, scope: NodeScope, endpoint: Endpoint) -> None:
         assert endpoint.incoming is not None
         self._class = message_class(endpoint.type, endpoint.incoming.md5sum)
-        self._publisher = scope.create_publisher(endpoint.name, self._class)
+        self._publisher = scope.create_publisher(endpoint.name, self._class, queue_size=_MOST_HELD)
 
     def update(self, endpoint: Endpoint) -> None:
         """IDs changed: nothing to do."""

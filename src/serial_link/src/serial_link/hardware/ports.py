@@ -47,6 +47,14 @@ class Port(Protocol):
         """Note that a board is connected: an undamaged frame was received."""
         ...
 
+    def write_now(self, data: bytes) -> int:
+        """Send as many bytes as the system accepts without waiting.
+
+        :returns: their number
+        :raises PortLost: if the port was lost
+        """
+        ...
+
     def write(self, data: bytes) -> None:
         """Send bytes.
 

@@ -44,6 +44,7 @@ class SerialPort:
         self.name, self.baud = os.path.expanduser(name), baud
         self._line_baud = baud
         self._serial: Optional[serial.Serial] = None
+        self._poll = select.poll()
 
     def open(self, timeout: float) -> bool:
         """Open the port; see :class:`.Port`. Does not wait."""
@@ -64,6 +65,8 @@ class SerialPort:
                 fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
         except (OSError, ValueError, termios.error) as error:
             raise PortUnavailable(self._why(error)) from None
+        self._poll = select.poll()
+        self._poll.register(opened.fileno(), select.POLLIN)
         self._serial = opened
         self.baud = self._line_baud if has_line(self.name) else 0
         return True
@@ -72,7 +75,7 @@ class SerialPort:
         """Return received bytes; see :class:`.Port`."""
         port = self._open_port()
         try:
-            if not select.select([port.fileno()], [], [], timeout)[0]:
+            if not self._poll.poll(1000.0 * timeout):
                 return b""
             # Not through pyserial, which would poll once more.
             data = os.read(port.fileno(), _READ_AT_ONCE)
@@ -86,6 +89,16 @@ class SerialPort:
 
     def on_frame(self) -> None:
         """Do nothing: a serial port has only one board; see :class:`.Port`."""
+
+    def write_now(self, data: bytes) -> int:
+        """Send bytes without waiting; see :class:`.Port`."""
+        port = self._open_port()
+        try:
+            return os.write(port.fileno(), data)
+        except BlockingIOError:
+            return 0
+        except (OSError, TypeError, ValueError) as error:
+            raise PortLost(f"{self.name} is gone: {error}") from None
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""

@@ -1,6 +1,7 @@
 """TCP listener for Wi-Fi boards, and a port for each board slot (one ROS namespace per slot)."""
 
 import contextlib
+import os
 import select
 import socket
 import threading
@@ -195,6 +196,17 @@ class TcpPort:
     def on_frame(self) -> None:
         """Reserve the slot for the board's address; see :class:`.Port`."""
         self._slot.peer, self._slot.heard_at = self._address, time.monotonic()
+
+    def write_now(self, data: bytes) -> int:
+        """Send bytes without waiting; see :class:`.Port`."""
+        board = self._connected()
+        try:
+            # Not through the socket, whose send() waits for its timeout.
+            return os.write(board.fileno(), data)
+        except BlockingIOError:
+            return 0
+        except (OSError, ValueError) as error:
+            raise PortLost(f"{self.name} is gone: {error}") from None
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`.

@@ -30,7 +30,7 @@ class MessageQueue:
         self._empty.acquire()
         self._kept: Deque[Any] = deque()
         self._streams: "OrderedDict[Any, Deque[Any]]" = OrderedDict()
-        self._is_closed = False
+        self._is_closed = self._is_idle = False
         self._dropped = self._refused = 0
 
     @property
@@ -42,6 +42,11 @@ class MessageQueue:
     def refused(self) -> int:
         """Number of messages rejected because the queue was full."""
         return self._refused
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the reader waits for a message: it has handled all earlier ones."""
+        return self._is_idle
 
     def put(self, stream: Any, message: Any, depth: int = 0) -> None:
         """Add a value of a stream.
@@ -78,14 +83,26 @@ class MessageQueue:
         :param timeout: longest wait [s]
         :returns: None after the timeout, or if the queue is closed
         """
+        self.wait(timeout)
+        with self._lock:
+            return self._next()
+
+    def wait(self, timeout: float) -> bool:
+        """Wait for a message, which may be replaced by a newer one until it is taken out.
+
+        :param timeout: longest wait [s]
+        :returns: whether a message waits, or the queue is closed
+        """
         end = time.monotonic() + timeout
         while True:
             with self._lock:
                 if self._kept or self._streams or self._is_closed:
-                    return self._next()
+                    return True
+                self._is_idle = True
             left = end - time.monotonic()
             if left <= 0.0 or not self._empty.acquire(timeout=left):
-                return None
+                self._is_idle = False
+                return False
 
     def clear(self) -> None:
         """Drop all waiting messages without counting them: their receiver is gone."""
@@ -111,5 +128,6 @@ class MessageQueue:
         return message
 
     def _notify(self) -> None:
+        self._is_idle = False
         if self._empty.locked():
             self._empty.release()

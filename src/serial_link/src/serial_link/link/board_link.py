@@ -4,7 +4,7 @@ import math
 import threading
 import time
 import traceback
-from typing import Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
 
@@ -15,27 +15,13 @@ from serial_link.host.counters import Counters
 from serial_link.host.message_queue import MessageQueue
 from serial_link.host.parameter_requests import ParameterRequests
 from serial_link.host.sync_monitor import SyncMonitor
-from serial_link.link.events import (
-    Synced,
-    LogLine,
-    Message,
-    ParameterRequest,
-    Restarted,
-    Topics,
-)
+from serial_link.link.events import LogLine, Message, ParameterRequest, Restarted, Synced, Topics
 from serial_link.link.frame_reader import FrameReader
 from serial_link.link.frame_writer import FrameWriter
 from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation import payloads
-from serial_link.negotiation.payloads import (
-    FIRST_TOPIC,
-    LOG,
-    PARAMETER,
-    TIME,
-    TOPICS,
-    TopicInfo,
-)
-from serial_link.negotiation.topic_table import TopicTable
+from serial_link.negotiation.payloads import FIRST_TOPIC, LOG, PARAMETER, TIME, TOPICS, TopicInfo
+from serial_link.negotiation.topic_table import Endpoint, TopicTable
 
 #: Longest wait for bytes [s]; shutdown is noticed after it.
 _LONGEST_WAIT_S = 0.25
@@ -68,19 +54,23 @@ TimeOf = Callable[[], Tuple[int, int]]
 class BoardLink:
     """Link to a board at a port: synchronizes with it, and transfers its frames.
 
-    The reader thread never blocks on its consumers: received frames go into a queue, and so do
-    frames to send, which the writer thread sends at the pace of the line.
+    The reader thread never blocks on its consumers: received frames go into a queue, unless they
+    can be handled immediately. Frames to send go into another, unless the line is free; the writer
+    thread sends them at the pace of the line.
 
     :param port: of the board; owned by this link
     :param counters: of traffic and faults
     :param time_of: returns the time for the board
 
     :ivar inbox: received events, see :mod:`.events`
+    :ivar receive_now: called with each message; returns whether it has handled the message, which
+        then does not go into the inbox; must not block
     :ivar parameter_requests: which parameter request the board waits for
     """
 
     def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
         self.inbox = MessageQueue(_INBOX_DEPTH)
+        self.receive_now: Callable[[Endpoint, bytes], bool] = lambda endpoint, payload: False
         self.parameter_requests = ParameterRequests()
         self._port, self._counters, self._time_of = port, counters, time_of
         frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
@@ -90,7 +80,7 @@ class BoardLink:
         #: Why the port is not open, or the board does not answer; empty without a problem.
         self._trouble = ""
         self._throttled_log = ThrottledLog(_LOG_EVERY_S)
-        self._reader = FrameReader(port, counters)
+        self._reader = FrameReader(port)
         self._writer = FrameWriter(port, counters, self._throttled_log)
         self._outgoing_queue = self._writer.queue
         self._spoke_at = 0.0
@@ -143,6 +133,8 @@ class BoardLink:
         faults = {f"fault: {kind}": count for kind, count in self._reader.faults.items()}
         return {
             **self._counters.to_dict(),
+            **self._reader.traffic,
+            **self._writer.traffic,
             **faults,
             "restarts of the board": self._sync.restarts,
             "dropped for newer ones, to the board": self._outgoing_queue.dropped,
@@ -156,10 +148,7 @@ class BoardLink:
         :param info: the board's description of the topic
         :param payload: the serialized message
         """
-        if self._is_accepted(info):
-            self._outgoing_queue.put(info.topic_id, encode(info.topic_id, payload))
-        else:
-            self._counters.add(counters.NO_CONTACT)
+        self._send(info, payload, info.topic_id, 0)
 
     def send_latched(self, info: TopicInfo, payload: bytes) -> None:
         """Send a latched value; many may be queued at a time.
@@ -167,11 +156,15 @@ class BoardLink:
         :param info: the board's description of the topic
         :param payload: the serialized message
         """
-        if self._is_accepted(info):
-            stream = (info.topic_id, "latched")
-            self._outgoing_queue.put(stream, encode(info.topic_id, payload), _LATCHED_DEPTH)
-        else:
+        self._send(info, payload, (info.topic_id, "latched"), _LATCHED_DEPTH)
+
+    def _send(self, info: TopicInfo, payload: bytes, stream: Any, depth: int) -> None:
+        if not self._is_accepted(info):
             self._counters.add(counters.NO_CONTACT)
+            return
+        frame = encode(info.topic_id, payload)
+        if not self._writer.write_now(frame):
+            self._outgoing_queue.put(stream, frame, depth)
 
     def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         """Send a message that must not be lost.
@@ -180,9 +173,10 @@ class BoardLink:
         :param payload: the serialized message
         :returns: whether it will be sent, unless the connection is lost
         """
-        return self._is_accepted(info) and self._outgoing_queue.put_reliable(
-            encode(info.topic_id, payload)
-        )
+        if not self._is_accepted(info):
+            return False
+        frame = encode(info.topic_id, payload)
+        return self._writer.write_now(frame) or self._outgoing_queue.put_reliable(frame)
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         """Answer a board that may not be synchronized yet.
@@ -221,8 +215,8 @@ class BoardLink:
     def _read(self) -> None:
         """Open the port, or read once and handle timeouts."""
         now = time.monotonic()
-        self.parameter_requests.poll(now)
         if not self._is_open:
+            self.parameter_requests.poll(now)
             self._try_to_open()
             return
         due = self._sync.next_due()
@@ -240,13 +234,15 @@ class BoardLink:
         now = time.monotonic()
         self.parameter_requests.poll(now)
         self._receive_bytes(now, data)
-        self._execute(now, self._sync.poll(now))
+        if now >= due:
+            self._execute(now, self._sync.poll(now))
         if self._is_request_due and self._topics.is_settled:  # a request begins the round again
             self._is_request_due = False
             if self.is_synced:
                 self._execute(now, self._sync.ask(now))
         self._end_round(now)
-        self._explain_silence(now)
+        if self._spoke_at != now:
+            self._explain_silence(now)
 
     def _try_to_open(self) -> None:
         try:
@@ -337,6 +333,8 @@ class BoardLink:
             self._counters.add(counters.UNKNOWN_ID)
             # An id below FIRST_TOPIC is damage with valid checksums: no reason to request topics.
             return sync_states.UNKNOWN if topic_id >= FIRST_TOPIC else sync_states.NOTICE
+        if self.receive_now(endpoint, payload):
+            return sync_states.MESSAGE
         message = Message(endpoint, payload)
         if endpoint.is_service:
             self.inbox.put_reliable(message)

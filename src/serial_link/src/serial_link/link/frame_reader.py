@@ -7,7 +7,6 @@ from serial_link.framing.frames import LONGEST, OVERHEAD, Frame
 from serial_link.hardware.ports import Port
 from serial_link.host import counters
 from serial_link.host.connect_diagnosis import ConnectDiagnosis
-from serial_link.host.counters import Counters
 
 
 class ReceivedFrames(NamedTuple):
@@ -25,13 +24,13 @@ class FrameReader:
     """Reader of frames while its port is open.
 
     :param port: of the board
-    :param counters: of traffic and faults
     """
 
-    def __init__(self, port: Port, counters: Counters) -> None:
-        self._port, self._counters = port, counters
+    def __init__(self, port: Port) -> None:
+        self._port = port
         self._decoder, self._diagnosis = Decoder(), ConnectDiagnosis()
         self._arrived_at = 0.0
+        self._received = self._received_bytes = self._damage = 0
 
     def open(self) -> None:
         """Begin with a newly opened port."""
@@ -51,24 +50,29 @@ class FrameReader:
         """Numbers of damaged frames, by type of damage."""
         return self._decoder.faults
 
+    @property
+    def traffic(self) -> Dict[str, int]:
+        """Numbers of received frames and bytes."""
+        return {counters.RECEIVED: self._received, counters.RECEIVED_BYTES: self._received_bytes}
+
     def receive(self, now: float, data: bytes) -> ReceivedFrames:
         """Return the frames that these bytes complete.
 
         :param now: the time [s]
         :param data: bytes from the port; empty after a timeout, which ends an incomplete frame
         """
-        before = sum(self.faults.values())
         if data:
             self._arrived_at = now
-            self._counters.add(counters.RECEIVED_BYTES, len(data))
+            self._received_bytes += len(data)
             frames = self._decoder.feed(data)
         elif self._decoder.is_waiting and now - self._arrived_at > self._port.gap:
             frames = self._decoder.flush()
         else:
             return ReceivedFrames([], False)
         self._diagnosis.add(data, bool(frames))
-        self._counters.add(counters.RECEIVED, len(frames))
-        return ReceivedFrames(frames, sum(self.faults.values()) != before)
+        self._received += len(frames)
+        before, self._damage = self._damage, sum(self._decoder.faults.values())
+        return ReceivedFrames(frames, self._damage != before)
 
     def explain_silence(self) -> str:
         """Return why the board does not answer, from the bytes since the port was opened."""

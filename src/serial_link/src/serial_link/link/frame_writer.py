@@ -2,7 +2,7 @@
 
 import threading
 import time
-from typing import Any, Optional
+from typing import Any, Dict, Optional
 
 import rospy
 
@@ -19,6 +19,9 @@ from serial_link.negotiation.payloads import STOP
 _LONGEST_WAIT_S = 0.25
 #: Longest wait for a frame to send [s]; shutdown ends it.
 _IDLE_S = 1.0
+#: Longest frame that a sending thread writes itself [bytes]: it fits into the system's buffer, so
+#: that the thread does not wait.
+_LONGEST_NOW = 1024
 #: Frame that stops the board's publishing.
 _STOP_FRAME = encode(STOP, b"")
 _STOP_S = 1.0
@@ -28,7 +31,7 @@ class FrameWriter:
     """Writer of queued frames while its port is open.
 
     :param port: of the board
-    :param counts: counters of sent frames
+    :param counts: counters of faults
     :param log: throttled log
 
     :ivar queue: frames to send
@@ -39,9 +42,15 @@ class FrameWriter:
         self._port, self._counters, self._throttled_log = port, counts, log
         self._pacer = BaudPacer(port.baud)
         self._is_open = False
+        self._sent = self._sent_bytes = 0
         self._is_over, self._has_stopped = threading.Event(), threading.Event()
-        #: Held while writing: after a close, another file may get the same descriptor.
+        #: Held while writing and counting: after a close, another file may get the same descriptor.
         self._port_lock = threading.Lock()
+
+    @property
+    def traffic(self) -> Dict[str, int]:
+        """Numbers of sent frames and bytes."""
+        return {counters.SENT: self._sent, counters.SENT_BYTES: self._sent_bytes}
 
     def open(self) -> None:
         """Start writing, after the port was opened."""
@@ -66,28 +75,65 @@ class FrameWriter:
             self.queue.put_reliable(_STOP_FRAME)
             self._has_stopped.wait(_STOP_S)
 
+    def write_now(self, frame: bytes) -> bool:
+        """Send a frame in the calling thread, if the line is free and no other frame waits.
+
+        :param frame: the frame
+        :returns: whether it is sent; otherwise it has to wait in the queue
+        """
+        if len(frame) > _LONGEST_NOW or not self.queue.is_idle:
+            return False
+        try:
+            return self._write_if_free(frame)
+        except PortStuck as error:  # after a part of it
+            self._report_stuck(error)
+            return True
+        except PortLost:
+            return False
+
+    def _write_if_free(self, frame: bytes) -> bool:
+        if not self._port_lock.acquire(blocking=False):
+            return False
+        try:
+            if not self._is_open or self._pacer.delay(time.monotonic()) > 0.0:
+                return False
+            count = self._port.write_now(frame)
+            if 0 < count < len(frame):
+                self._port.write(frame[count:])
+            if count:
+                self._record_write(frame)
+            return count > 0
+        finally:
+            self._port_lock.release()
+
     def write_next(self) -> None:
-        """Send the next frame as soon as the line is free."""
-        now = time.monotonic()
-        delay = self._pacer.delay(now)
+        """Send the next frame of the queue as soon as the line is free."""
+        if not self.queue.wait(_IDLE_S):
+            return
+        delay = self._pacer.delay(time.monotonic())
         if delay > 0.0:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))
             return
-        frame: Optional[Any] = self.queue.get(_IDLE_S)
+        frame: Optional[Any] = self.queue.get(0.0)
         if frame is None or not self._is_open:
             return
         try:
             with self._port_lock:
                 self._port.write(frame)
+                self._record_write(frame)
         except PortStuck as error:
-            self._counters.add(counters.STUCK)
-            self._throttled_log.log(rospy.logwarn, str(error))
-            return
+            self._report_stuck(error)
         except PortLost:
             self._is_over.wait(_LONGEST_WAIT_S)  # the reader thread reports the cause
-            return
+        else:
+            if frame is _STOP_FRAME:
+                self._has_stopped.set()
+
+    def _record_write(self, frame: bytes) -> None:
         self._pacer.record_write(time.monotonic(), len(frame))
-        if frame is _STOP_FRAME:
-            self._has_stopped.set()
-        self._counters.add(counters.SENT)
-        self._counters.add(counters.SENT_BYTES, len(frame))
+        self._sent += 1
+        self._sent_bytes += len(frame)
+
+    def _report_stuck(self, error: PortStuck) -> None:
+        self._counters.add(counters.STUCK)
+        self._throttled_log.log(rospy.logwarn, str(error))

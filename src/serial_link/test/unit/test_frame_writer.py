@@ -1,0 +1,139 @@
+"""Frames are written by the sending thread or by the writer's, in order and at the line's pace."""
+
+import logging
+import math
+import threading
+from typing import Any, List
+
+import pytest
+
+from nodekit.testing.waiting import in_thread, wait_until
+from serial_link.hardware.ports import PortLost, PortStuck
+from serial_link.host.counters import SENT, SENT_BYTES, STUCK, Counters
+from serial_link.link.frame_writer import FrameWriter
+from serial_link.link.throttled_log import ThrottledLog
+
+
+class FakePort:
+    """Port that records what it accepts."""
+
+    name, gap = "port", 0.0
+
+    def __init__(self, baud: int = 0) -> None:
+        self.baud = baud
+        self.written: List[bytes] = []
+        #: Number of bytes that it accepts without waiting, and how it fails.
+        self.room = 10**6
+        self.failure: Any = None
+
+    def write_now(self, data: bytes) -> int:
+        if isinstance(self.failure, PortLost):
+            raise self.failure
+        if self.room:
+            self.written.append(data[: self.room])
+        return min(self.room, len(data))
+
+    def write(self, data: bytes) -> None:
+        if self.failure is not None:
+            raise self.failure
+        self.written.append(data)
+
+    def close(self) -> None:
+        pass
+
+
+class Rig:
+    """A writer whose thread waits for frames."""
+
+    def __init__(self, baud: int = 0) -> None:
+        self.port: Any = FakePort(baud)
+        self.counters = Counters()
+        self.writer = FrameWriter(self.port, self.counters, ThrottledLog(0.0))
+        self.writer.open()
+        self.is_over = threading.Event()
+        self.thread = in_thread(self.run)
+        self.wait_until_idle()
+
+    def run(self) -> None:
+        while not self.is_over.is_set():
+            self.writer.write_next()
+
+    def wait_until_idle(self) -> None:
+        wait_until(lambda: self.writer.queue.is_idle, lambda: "the writer does not wait")
+
+    def close(self) -> None:
+        self.is_over.set()
+        self.writer.close()
+        self.thread.join(30.0)
+
+
+@pytest.fixture
+def rig() -> Any:
+    made = Rig()
+    yield made
+    made.close()
+
+
+def test_frame_is_written_by_the_sending_thread_and_counted(rig: Rig) -> None:
+    assert rig.writer.write_now(b"one") and rig.port.written == [b"one"]
+    rig.writer.queue.put(1, b"four")
+    wait_until(lambda: rig.port.written == [b"one", b"four"], lambda: f"{rig.port.written}")
+    wait_until(
+        lambda: rig.writer.traffic == {SENT: 2, SENT_BYTES: 7}, lambda: f"{rig.writer.traffic}"
+    )
+
+
+def test_frame_is_not_written_before_one_that_waits_or_on_a_closed_port(rig: Rig) -> None:
+    with rig.writer._port_lock:  # as during a write
+        assert not rig.writer.write_now(b"one")
+        rig.writer.queue.put(1, b"two")
+        assert not rig.writer.write_now(b"three")
+    rig.wait_until_idle()
+    rig.writer.close_port()
+    assert not rig.writer.write_now(b"four")
+    assert rig.port.written == [b"two"]
+
+
+def test_frames_wait_while_the_line_is_busy_and_the_newest_replaces_them() -> None:
+    rig = Rig(baud=300)
+    assert rig.writer.write_now(bytes(30))
+    rig.writer._pacer._free_at = math.inf  # instead of a second
+    for number in range(40):
+        frame = b"%d" % number
+        assert not rig.writer.write_now(frame)
+        rig.writer.queue.put(1, frame, 1)
+    rig.writer._pacer._free_at = 0.0
+    rig.wait_until_idle()
+    assert rig.port.written == [bytes(30), b"39"]
+    rig.close()
+
+
+def test_frame_that_the_port_takes_in_part_is_completed(rig: Rig) -> None:
+    rig.port.room = 2
+    assert rig.writer.write_now(b"three") and rig.port.written == [b"th", b"ree"]
+    rig.port.room = 0
+    assert not rig.writer.write_now(b"one")
+    assert rig.writer.traffic == {SENT: 1, SENT_BYTES: 5}
+
+
+def test_long_frame_is_left_to_the_writer_thread(rig: Rig) -> None:
+    assert not rig.writer.write_now(bytes(5000)) and not rig.port.written
+
+
+def test_stuck_and_lost_ports_are_told_apart(rig: Rig, caplog: "pytest.LogCaptureFixture") -> None:
+    caplog.set_level(logging.WARNING, "rosout")
+    rig.port.room, rig.port.failure = 2, PortStuck("no room")
+    assert rig.writer.write_now(b"three")  # its rest is lost
+    assert rig.counters.to_dict() == {STUCK: 1} and "no room" in caplog.text
+    rig.port.failure = PortLost("gone")
+    assert not rig.writer.write_now(b"three")
+    assert rig.writer.traffic == {SENT: 0, SENT_BYTES: 0}
+    rig.port.failure, rig.port.room = None, 100
+    assert rig.writer.write_now(b"one")  # no lock is held
+
+
+def test_frame_does_not_overtake_one_that_no_thread_has_taken_yet() -> None:
+    writer = FrameWriter(FakePort(), Counters(), ThrottledLog(0.0))  # type: ignore[arg-type]
+    writer.open()
+    writer.queue.put(1, b"first")
+    assert not writer.write_now(b"second")

@@ -1,4 +1,4 @@
-"""Board that returns each ping, at once; or sends numbers through a line that damages bytes.
+"""Board that returns each ping at once; or sends numbers through a line that damages bytes.
 
 Usage: serial_board.py LINK|TCP_PORT [NOISE]. NOISE is the share of damaged bytes of the numbers,
 which are sent at 500 Hz, each with a check value, the first 500 undamaged.
@@ -6,9 +6,11 @@ which are sent at 500 Hz, each with a check value, the first 500 undamaged.
 
 import signal
 import sys
+import threading
+import time
 
 from serial_link.board.simulation import Faults, SimulatedBoard
-from serial_link.board.transports import PtyTransport, TcpTransport
+from serial_link.board.transports import PtyTransport, TcpTransport, Transport
 from serial_link.device.rosserial_device import Device, Endpoint
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, ParameterValues
 from std_msgs.msg import UInt32
@@ -55,10 +57,28 @@ class Sketch:
         return self._next_at if self.noise else now + 1.0
 
 
+def answer(transport: Transport, sketch: Sketch) -> None:
+    """Run a board without a simulated line, whose work would count as the host's latency."""
+    device = Device(sketch)
+    while True:
+        if not transport.is_plugged:
+            transport.plug()
+        transport.wait(0.1)
+        now = time.monotonic()
+        device.receive(now, transport.read())
+        device.loop(now)
+        transport.write(device.output())
+
+
 def main(place: str, noise: str = "0") -> None:
     """Run until Ctrl-C."""
     sketch = Sketch(float(noise))
     transport = TcpTransport("localhost", int(place)) if place.isdigit() else PtyTransport(place)
+    if not sketch.noise:
+        threading.Thread(target=answer, args=(transport, sketch), daemon=True).start()
+        signal.sigwait([signal.SIGINT])
+        transport.unplug()
+        return
     board = SimulatedBoard(transport, 0, lambda _now: Device(sketch))
     board.start()
     while not signal.sigtimedwait([signal.SIGINT], 0.1):

@@ -142,7 +142,10 @@ class RosSide:
         endpoint_in_ros = self._opened(_key(message.endpoint), message.endpoint)
         if isinstance(endpoint_in_ros, PublishedTopic):
             self._published[message.endpoint] = endpoint_in_ros
-        self._pass_on(endpoint_in_ros, message.payload)
+        try:
+            endpoint_in_ros.receive(message.payload)
+        except MalformedMessage:
+            self._counters.add(MALFORMED)
 
     def _receive_now(self, endpoint: Endpoint, payload: bytes) -> bool:
         """Publish a message in the reader thread, if its topic is open and no event waits.
@@ -153,16 +156,12 @@ class RosSide:
         if topic is None or not self._link.inbox.is_idle:
             return False
         try:
-            self._pass_on(topic, payload)
+            topic.receive(payload)
+        except MalformedMessage:
+            self._counters.add(MALFORMED)
         except Exception:
             self._throttled_log.log(rospy.logerr, traceback.format_exc(), "exception")
         return True
-
-    def _pass_on(self, endpoint_in_ros: Any, payload: bytes) -> None:
-        try:
-            endpoint_in_ros.receive(payload)
-        except MalformedMessage:
-            self._counters.add(MALFORMED)
 
     def _update(self, endpoints: List[Endpoint], is_complete: bool) -> None:
         """Open the board's current topics; close the others once the board has announced all."""

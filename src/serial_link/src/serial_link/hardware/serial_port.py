@@ -44,6 +44,8 @@ class SerialPort:
         self.name, self.baud = os.path.expanduser(name), baud
         self._line_baud = baud
         self._serial: Optional[serial.Serial] = None
+        #: Its descriptor while it is open, and the wait for bytes from it.
+        self._fd = -1
         self._poll = select.poll()
 
     def open(self, timeout: float) -> bool:
@@ -66,22 +68,24 @@ class SerialPort:
         except (OSError, ValueError, termios.error) as error:
             raise PortUnavailable(self._why(error)) from None
         self._poll = select.poll()
-        self._poll.register(opened.fileno(), select.POLLIN)
+        self._fd = opened.fileno()
+        self._poll.register(self._fd, select.POLLIN)
         self._serial = opened
         self.baud = self._line_baud if has_line(self.name) else 0
         return True
 
     def read(self, timeout: float) -> bytes:
         """Return received bytes; see :class:`.Port`."""
-        port = self._open_port()
+        if self._fd < 0:
+            raise PortLost(f"{self.name} is closed")
         try:
             if not self._poll.poll(1000.0 * timeout):
                 return b""
             # Not through pyserial, which would poll once more.
-            data = os.read(port.fileno(), _READ_AT_ONCE)
+            data = os.read(self._fd, _READ_AT_ONCE)
         except BlockingIOError:
             return b""
-        except (OSError, TypeError, ValueError) as error:  # of a port that is closed meanwhile
+        except OSError as error:  # also of a port that is closed meanwhile
             raise PortLost(f"{self.name} is gone: {error}") from None
         if not data:
             raise PortLost(f"{self.name} is gone: end of file")
@@ -92,17 +96,20 @@ class SerialPort:
 
     def write_now(self, data: bytes) -> int:
         """Send bytes without waiting; see :class:`.Port`."""
-        port = self._open_port()
+        if self._fd < 0:
+            raise PortLost(f"{self.name} is closed")
         try:
-            return os.write(port.fileno(), data)
+            return os.write(self._fd, data)
         except BlockingIOError:
             return 0
-        except (OSError, TypeError, ValueError) as error:
+        except OSError as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""
-        port = self._open_port()
+        port = self._serial
+        if port is None:
+            raise PortLost(f"{self.name} is closed")
         try:
             port.write(data)
         except serial.SerialTimeoutException:
@@ -113,6 +120,7 @@ class SerialPort:
     def close(self) -> None:
         """Close the port."""
         opened, self._serial = self._serial, None
+        self._fd = -1
         if opened is not None:
             with contextlib.suppress(OSError):  # already gone
                 # A terminal that another program holds open outlives this, and would stay locked.
@@ -123,12 +131,6 @@ class SerialPort:
     def release(self) -> None:
         """Close the port."""
         self.close()
-
-    def _open_port(self) -> serial.Serial:
-        port = self._serial
-        if port is None:
-            raise PortLost(f"{self.name} is closed")
-        return port
 
     def _held(self) -> str:
         """Return a message about the process that has the port open; empty if not found."""

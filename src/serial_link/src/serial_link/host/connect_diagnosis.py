@@ -31,11 +31,14 @@ _MISTYPED = 0.05
 
 
 class ConnectDiagnosis:
-    """Diagnosis from the bytes since the port was opened, up to the first good frame."""
+    """Diagnosis from the bytes since the port was opened, up to the first good frame.
+
+    :ivar is_over: whether a good frame has been received
+    """
 
     def __init__(self) -> None:
         self._unread = bytearray()
-        self._is_understood = False
+        self.is_over = False
 
     def add(self, data: bytes, has_frames: bool) -> None:
         """Keep received bytes.
@@ -44,16 +47,16 @@ class ConnectDiagnosis:
         :param has_frames: whether a good frame has been received
         """
         if has_frames:
-            self._is_understood = True
+            self.is_over = True
             self._unread.clear()
-        if not self._is_understood:
+        if not self.is_over:
             self._unread += data
             del self._unread[:-MOST_KEPT]
 
     def clear(self) -> None:
         """Reset, after the port was opened."""
         self._unread.clear()
-        self._is_understood = False
+        self.is_over = False
 
     def explain(self, baud: int) -> str:
         """Return why a board may not answer, and what to check.

@@ -240,7 +240,8 @@ class BoardLink:
             self._is_request_due = False
             if self.is_synced:
                 self._execute(now, self._sync.ask(now))
-        self._end_round(now)
+        if not self._topics.is_settled:
+            self._end_round(now)
         if self._spoke_at != now:
             self._explain_silence(now)
 
@@ -312,7 +313,9 @@ class BoardLink:
             self._counters.add(counters.MALFORMED)
             self._topics.mark_damaged()
             return
-        self._execute(now, self._sync.handle(now, event))
+        actions = self._sync.handle(now, event)
+        if actions:
+            self._execute(now, actions)
 
     def _send_time(self, now: float) -> None:
         if now - self._time_told_at >= _TIME_EVERY_S:

@@ -69,7 +69,8 @@ class FrameReader:
             frames = self._decoder.flush()
         else:
             return ReceivedFrames([], False)
-        self._diagnosis.add(data, bool(frames))
+        if not self._diagnosis.is_over:
+            self._diagnosis.add(data, bool(frames))
         self._received += len(frames)
         before, self._damage = self._damage, sum(self._decoder.faults.values())
         return ReceivedFrames(frames, self._damage != before)

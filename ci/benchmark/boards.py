@@ -1,4 +1,4 @@
-"""A board's messages through the node of serial_link, and through rosserial_python's.
+"""A board's messages through the node of serial_link, rosserial_python's, and a bare one.
 
 rosserial_python is in no archive of packages: ROSSERIAL names a folder with its sources.
 """
@@ -21,7 +21,7 @@ from .cost import cpu_share
 from .peer_programs import WORKSPACE, executable, peer
 from .recorder import wait_until
 
-OURS, ROSSERIAL = "serial_link", "rosserial_python"
+OURS, ROSSERIAL, BARE = "serial_link", "rosserial_python", "bare node"
 FOLDER = os.environ.get("ROSSERIAL", "")
 #: Generated messages of rosserial.
 GENERATED = WORKSPACE / "build" / "benchmark" / "rosserial"
@@ -64,6 +64,8 @@ def prepare() -> Dict[str, str]:
 def measure(bench: Bench, subject: str) -> Figures:
     """Measure a board at a serial port, one at a TCP connection, and one behind a bad cable."""
     figures = _measure_port(bench, subject)
+    if subject == BARE:
+        return figures
     figures.update(_measure_tcp(bench, subject))
     figures["wrong_of_10000"] = _measure_noise(bench, subject)
     return figures
@@ -71,6 +73,8 @@ def measure(bench: Bench, subject: str) -> Figures:
 
 def host(bench: Bench, subject: str, *words: str) -> Tuple[List[str], Dict[str, str]]:
     """Return the command and the environment of a host."""
+    if subject == BARE:
+        return peer("serial_bare.py", *words), bench.session.environment
     arguments = [*words, "_baud:=1000000"]
     environment = dict(bench.session.environment)
     if subject == OURS:

@@ -92,6 +92,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "timing": "clocks of time stamps, their offsets, and implausible stamps",
         "messages": "definitions, fields, values and stamps of messages, installed or not",
         "analysis": "computations on samples: bins, measurements, spectra",
+        "images": "image messages as files that a browser shows",
         "formulas": "traces computed by an expression: parser, checks, evaluation",
         "sampling": "recording of samples from topics",
         "bag": "samples from bags: player, plots, CSV files",

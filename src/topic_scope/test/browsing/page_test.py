@@ -33,7 +33,7 @@ FRESH: Dict[str, Any] = {
         "figures": ["rate", "value", "min", "max", "mean", "rms", "frequency"],
         **{"against": "", "between": False, "overTime": 0},
     },
-    **{"panels": True, "view": "scope"},
+    **{"panels": True, "images": {"shown": False, "topic": ""}, "view": "scope"},
 }
 FRESH["trigger"].update({"hysteresis": 0, "holdoff": 0, "position": 0.5})
 #: Applies a set-up to an open page, and removes references and masks.

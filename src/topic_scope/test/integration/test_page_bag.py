@@ -19,10 +19,10 @@ from browsing.waiting import wait_until
 from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from selenium.webdriver.common.keys import Keys
-from sensor_msgs.msg import JointState, LaserScan
-from std_msgs.msg import String
+from sensor_msgs.msg import CompressedImage, Image, JointState, LaserScan
+from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
-from wire.client import Client, Message, fetch
+from wire.client import Client, Message, fetch, fetch_image
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.running import extended
@@ -58,10 +58,25 @@ def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
         bag.write("scan", scan, received)
 
 
+def write_camera(bag: Any, time: float, received: genpy.Time) -> None:
+    """Record images ten times a second, 50 ms after their stamps; the red is 10 times the time.
+
+    Beside them, a file that is not an image.
+    """
+    stamp = received - genpy.Duration(0, 50 * 10**6)
+    colour = bytes([round(10.0 * time), 100, 200])
+    image = Image(Header(stamp=stamp), 30, 40, "rgb8", 0, 120, colour * 1200)
+    bag.write("camera", image, received)
+    if time == 0.0:
+        broken = CompressedImage(Header(stamp=stamp), "jpeg", b"\xff\xd8\xff and no more")
+        bag.write("broken", broken, received)
+        bag.write("yuv", Image(Header(stamp=stamp), 2, 2, "yuv422", 0, 4, bytes(8)), received)
+
+
 def record(path: str) -> None:
     """Record a sine of 1 Hz with another zero of its clock, and a growing amplitude.
 
-    The bag also contains a robot, and its mode as a text.
+    The bag also contains a robot, its mode as a text, and a camera.
     """
     with rosbag.Bag(path, "w", chunk_threshold=10000) as bag:
         for index in range(int(LENGTH_S * RATE_HZ) + 1):
@@ -75,6 +90,8 @@ def record(path: str) -> None:
             if index % RATE_HZ == 50:
                 bag.write("joints", JointState(name=["wheel"], position=[time]), received)
             write_robot(bag, time, received)
+            if index % 10 == 0:
+                write_camera(bag, time, received)
 
 
 class Bag(unittest.TestCase):
@@ -202,6 +219,87 @@ class Bag(unittest.TestCase):
         page.send("select", fields=[name])
         wait_until(lambda: page.values(name), lambda: page.messages("frame"))
         self.assertEqual(sorted(set(page.values(name))), [0.5, 1.5, 2.5, 3.5, 4.5])
+
+    def test_image_of_any_time_comes_from_the_bag(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False)
+        url = self.scope.url
+        self.assertIn("no topic /camera", fetch_image(url, "/camera")[0]["problem"])
+        page.send("images", topic="/camera")
+
+        def newest(place: float) -> Any:
+            found, kind, file = fetch_image(url, "/camera")
+            return abs(found.get("time", 0.0) - BEGIN - place) < 1e-6 and (found, kind, file)
+
+        found, kind, file = wait_until(lambda: newest(4.95), lambda: fetch_image(url, "/camera"))
+        self.assertEqual(
+            (kind, file[:4], found["text"]), ("image/png", b"\x89PNG", "40 × 30, rgb8")
+        )
+        # By its stamp, not by its time of recording.
+        for asked, place in ((3.04, 2.95), (3.06, 3.05), (0.01, -0.05)):
+            found, *_ = fetch_image(url, "/camera", time=str(BEGIN + asked))
+            self.assertAlmostEqual(found["time"] - BEGIN, place, 5)
+        found, kind, file = fetch_image(url, "/camera", known=found["known"], time=str(BEGIN))
+        self.assertEqual((kind, file), ("", b""))
+        self.assertNotIn("problem", found)
+        status, _ = fetch(f"{url}/image?topic=/camera&time=soon")
+        self.assertEqual(status, 400)
+        # After a jump the images are of its history.
+        self.play(page, time=BEGIN + 15.001)
+        wait_until(lambda: newest(14.95), lambda: fetch_image(url, "/camera"))
+        problem = fetch_image(url, "/camera", time=str(BEGIN + 3.0))[0]["problem"]
+        self.assertEqual(problem, "no image at this time: the first is 6.05 s after it")
+
+    @extended
+    def test_the_page_shows_the_image_of_the_cursor(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
+        browser = shared_browser()
+        self.addCleanup(browser.driver.get, "about:blank")
+        zone = "Emulation.setTimezoneOverride"
+        self.addCleanup(browser.driver.execute_cdp_cmd, zone, {"timezoneId": ""})
+        browser.driver.execute_cdp_cmd(zone, {"timezoneId": "UTC"})
+        browser.errors()  # of previous tests
+        browser.open(self.scope.url)
+        browser.wait_for(f"#legend tr[data-field='{FIELD}']")
+        browser.keys("i")
+        # The first by its name cannot be decoded.
+        self.wait_text(browser, "#image-text", "the browser cannot decode the image: jpeg, ")
+        self.assertFalse(browser.find("#image").is_displayed())
+        browser.choose("#image-topic", "/camera")
+        self.wait_text(browser, "#image-text", "22:13:24.950 UTC, 40 × 30, rgb8")
+        self.assertEqual(self.pixel(browser), [50, 100, 200])
+        # Cursor A, at 35 % of the 5 s.
+        browser.press("#cursors")
+        self.wait_text(browser, "#image-text", "22:13:21.7")
+        self.wait_text(browser, "#image-text", " s before cursor A, 40 × 30, rgb8")
+        self.assertEqual(self.pixel(browser), [18, 100, 200])
+        browser.press("#cursors")
+        # The newest while it plays.
+        browser.press("#playback-run")
+        wait_until(lambda: self.pixel(browser)[0] > 55, lambda: browser.text("#image-text"))
+        self.play(page, time=BEGIN + 5.001, playing=False)
+        browser.choose("#image-topic", "/yuv")
+        self.wait_text(browser, "#image-text", "the encoding 'yuv422' cannot be shown")
+        self.assertFalse(browser.find("#image").is_displayed())
+        # It is in the address.
+        wait_until(lambda: "yuv" in browser.driver.current_url, lambda: browser.driver.current_url)
+        browser.driver.refresh()
+        self.wait_text(browser, "#image-text", "the encoding 'yuv422' cannot be shown")
+        self.assertEqual(browser.value("#image-topic"), "/yuv")
+        browser.press("#show-images")
+        self.assertFalse(browser.find("#images").is_displayed())
+        self.assertEqual(browser.errors(), [])
+
+    def pixel(self, browser: Browser) -> Any:
+        """Return red, green and blue of a pixel in the middle of the image."""
+        code = """
+          const image = document.querySelector("#image");
+          const context = new OffscreenCanvas(40, 30).getContext("2d");
+          if (image.complete && image.naturalWidth) context.drawImage(image, 0, 0);
+          return [...context.getImageData(20, 15, 1, 1).data.slice(0, 3)];
+        """
+        return browser.run(code)
 
     def at(self, page: Client, x: float) -> Message:
         """Return the robot message at a position [m]."""

@@ -10,9 +10,10 @@ from typing import Any, Callable, Dict, Tuple
 import rosnode
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
-from std_msgs.msg import Float32, Float64
+from sensor_msgs.msg import Image
+from std_msgs.msg import Float32, Float64, Header
 from tornado.httpclient import HTTPClientError
-from wire.client import Client, fetch
+from wire.client import Client, fetch, fetch_image
 from wire.controls_test import NODE, ControlsTest
 from wire.robot import Robot
 from wire.robots_test import RobotsTest
@@ -76,6 +77,30 @@ class Signals(SignalsTest):
         self.assertTrue(frame["reset"])
         seen = [value for value in frame["traces"]["/late/data"] if value is not None]
         self.assertEqual((max(seen), min(seen)), (PEAK, -PEAK))
+
+    def test_images_are_received_only_while_a_page_shows_them(self) -> None:
+        page, url = self.page(), self.scope.url
+        page.send("images", topic="/camera/image")
+        publisher = self.publisher("/camera/image", Image, page)
+        for grey in (10, 20):
+            stamp = rospy.Time.now()
+            publisher.publish(Image(Header(0, stamp, ""), 1, 2, "mono8", 0, 2, bytes([grey] * 2)))
+            wait_until(
+                lambda: (
+                    abs(fetch_image(url, "/camera/image")[0].get("time", 0) - stamp.to_sec()) < 1e-6
+                ),
+                lambda: fetch_image(url, "/camera/image"),
+            )
+        found, kind, file = fetch_image(url, "/camera/image")
+        self.assertEqual((found["text"], kind), ("2 × 1, mono8", "image/png"))
+        earlier, _, other = fetch_image(url, "/camera/image", time=str(found["time"] - 1e-4))
+        self.assertLess(earlier["time"], found["time"])
+        self.assertNotEqual(other, file)
+        # A page that closes needs it no longer.
+        page.close()
+        wait_until(
+            lambda: not publisher.get_num_connections(), lambda: "the scope is still subscribed"
+        )
 
     def test_measures_and_triggers(self) -> None:
         page = self.page("/signal/signal_y")

@@ -24,6 +24,7 @@ class DataSource:
         self.layouts = Layouts()
         self.begin = 1.7e9
         self.start = self.refresh = self.leave = mock.Mock()
+        self.read_again = None
 
     def hello(self) -> Dict[str, Any]:
         return {"readonly": False}

@@ -7,6 +7,7 @@ import struct
 import threading
 import time
 import urllib.error
+import urllib.parse
 import urllib.request
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
@@ -153,6 +154,19 @@ def fetch(url: str, headers: Optional[Dict[str, str]] = None) -> Tuple[int, str]
             return answer.status, answer.read().decode()
     except urllib.error.HTTPError as error:
         return error.code, error.read().decode()
+
+
+def fetch_image(url: str, topic: str, **query: str) -> Tuple[Message, str, bytes]:
+    """Return description, media type and file of an image; empty without a file.
+
+    :param url: URL of the scope
+    :param topic: topic of the image
+    :param query: ``time`` or ``known``
+    """
+    text = urllib.parse.urlencode({"topic": topic, **query})
+    with urllib.request.urlopen(f"{url}/image?{text}", timeout=TIMEOUT_S) as answer:
+        kind = answer.headers.get("Content-Type") or ""
+        return json.loads(answer.headers["Image-Description"]), kind, answer.read()
 
 
 def _refuse(constant: str) -> None:

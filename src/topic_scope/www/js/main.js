@@ -20,6 +20,7 @@ import { startScreen } from "./plot/redraw.js";
 import { startAlternative } from "./measure/text_alternative.js";
 import { Cursors } from "./measure/cursors.js";
 import { Hover } from "./measure/hover.js";
+import { Images } from "./measure/images.js";
 import { LevelCursors } from "./measure/level_cursors.js";
 import { startMask } from "./measure/mask.js";
 import { startMeasures } from "./measure/statistics.js";
@@ -58,6 +59,7 @@ const legend = new Legend(state, plot, cursors, (field) => {
   openTrace(field);
 });
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
+new Images(state, sweep);
 const graph = new Graph(state, (topic) => plotTopic(state, open.chooser, topic));
 const screen = startScreen(state, sweep, plot);
 const describe = startAlternative(state);

@@ -248,7 +248,7 @@ class BagPlayer:
             if last < len(messages):
                 self._parts.append(ConnectionMessages(connection, times[last:], messages[last:]))
         for topic, found in ready.items():
-            output = _distinct_times([part.times for part in found], self._latest.get(topic, 0))
+            output = distinct_times([part.times for part in found], self._latest.get(topic, 0))
             self._latest[topic] = max(int(one[-1]) for one in output)
             for part, one in zip(found, output):
                 self._let_out(topic, part, one.tolist())
@@ -263,7 +263,7 @@ class BagPlayer:
                 subscriptions[topic].batches.append(batch)
 
 
-def _distinct_times(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
+def distinct_times(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
     """Return the output times of the messages of a topic, no two equal.
 
     :param recorded: times of recording for each part, ascending [ns]

@@ -24,7 +24,7 @@ class Scope:
     """Oscilloscope: serves the page until the node is shut down.
 
     :ROS Subscribers:
-        - the topics of the shown fields, of any type
+        - the topics of the shown fields, of any type, and of the shown images
 
     :ROS Services called:
         - ``describe`` and ``change`` of each node that offers them; SetBool and Trigger services

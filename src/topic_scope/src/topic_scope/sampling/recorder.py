@@ -3,7 +3,19 @@
 import itertools
 import math
 from collections import deque
-from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Collection,
+    Deque,
+    Dict,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 import numpy
 
@@ -15,6 +27,7 @@ from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.field_functions import STATE
 from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
+from topic_scope.sampling.image_history import ImageHistory, histories
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
 from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.sampling.traces import Stream, Trace
@@ -75,6 +88,7 @@ class Recorder:
         self._choices: Dict[Tuple[str, str, bool], List[OfferedField]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
+        self._images: Dict[str, ImageHistory] = {}
         self._clocks = Clocks()
         #: Time up to which each shown formula was known at the latest update [s].
         self._known: Dict[str, float] = {}
@@ -173,13 +187,35 @@ class Recorder:
             self._traces[name].used_at = now
         recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
         self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
-        kept = set(self._traces.values())
-        for stream in self._streams.values():
-            stream.traces = [trace for trace in stream.traces if trace in kept]
-        self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
-        topics = [topic for topic, _ in self._streams] + self._unknown_topics()
         begun = (self._traces.get(name) for name in new)
-        self._source.want(topics, any(type(one) is Trace for one in begun))
+        self._request(any(type(one) is Trace for one in begun))
+
+    def want_images(self, topics: Collection[str]) -> None:
+        """Keep the images of these topics, and of no others."""
+        known = {*self._types, *self._images} - self._overlaid.keys()
+        before = self._images
+        self._images = histories(known & set(topics), before, self.history)
+        new = self._images.keys() - before.keys()
+        self._attach_images(new)
+        self._request(bool(new))
+
+    def _attach_images(self, topics: Collection[str]) -> None:
+        for topic in topics:
+            stream = self._stream(topic, "")
+            stream.attach(self._images[topic])
+            self._repeat_latest(stream)
+
+    def _request(self, is_more: bool) -> None:
+        """Request the messages of all traces and images, and drop other streams.
+
+        :param is_more: whether there are new traces or images
+        """
+        kept: Set[Any] = {*self._traces.values(), *self._images.values()}
+        for stream in self._streams.values():
+            stream.sinks = [sink for sink in stream.sinks if sink in kept]
+        self._streams = {key: stream for key, stream in self._streams.items() if stream.sinks}
+        topics = [topic for topic, _ in self._streams] + self._unknown_topics()
+        self._source.want(topics, is_more)
 
     def forget(self) -> None:
         """Drop all samples: the clock has jumped."""
@@ -190,6 +226,8 @@ class Recorder:
         for name in traces:
             if name not in self._traces:
                 self._record(name)
+        self._images = histories(self._images, {}, self.history)
+        self._attach_images(self._images)
         self._known = dict.fromkeys(self._known, -math.inf)
 
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
@@ -218,11 +256,27 @@ class Recorder:
             laid = self._overlaid[place[0]]
             self._traces[name] = laid.trace(place[0], path, timestamp, function)
             return
-        made = Stream(place[0], timestamp, self._clocks)
-        stream = self._streams.setdefault((place[0], timestamp), made)
+        stream = self._stream(place[0], timestamp)
         self._traces[name] = stream.record(path, self.history, function)
-        if len(stream.traces) == 1 and place[0] in self._latest:
-            stream.add(*self._latest[place[0]])
+        self._repeat_latest(stream)
+
+    def _stream(self, topic: str, timestamp: str) -> Stream:
+        made = Stream(topic, timestamp, self._clocks)
+        return self._streams.setdefault((topic, timestamp), made)
+
+    def _repeat_latest(self, stream: Stream) -> None:
+        """Give a new stream the latest message: a latched message arrives only once."""
+        if len(stream.sinks) == 1 and stream.topic in self._latest:
+            stream.add(*self._latest[stream.topic])
+
+    def is_overlaid(self, topic: str) -> bool:
+        """Return whether a topic is of an overlaid bag."""
+        return topic in self._overlaid
+
+    def images(self, topic: str) -> Optional[Tuple[ImageHistory, Stream]]:
+        """Return the kept images of a topic, and the stream that places them; None for others."""
+        images = self._images.get(topic)
+        return None if images is None else (images, self._streams[topic, ""])
 
     def update(self) -> float:
         """Read new messages from the source.

@@ -2,7 +2,7 @@
 """Traces: recorded samples of message fields over time, by stamp or by time of reception."""
 
 import math
-from typing import List, Optional, Tuple, Union
+from typing import List, Optional, Protocol, Tuple, Union
 
 import numpy
 
@@ -25,19 +25,40 @@ JUMPS = "timed by reception: the derivative jumps where messages come early or l
 _NO_LATENCY = "the stamps are of another clock: no latency"
 
 
+class MessageSink(Protocol):
+    """Receiver of the placed messages of a stream."""
+
+    def read_as(self, layout: MessageLayout) -> None:
+        """Take messages of this layout from now on."""
+
+    def add(
+        self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
+    ) -> None:
+        """Add messages.
+
+        :param messages: the messages
+        :param times: when they were taken, by their own clock [ns]
+        :param received: when they were received [ns]
+        :param newest: the latest plausible time [ns]
+        """
+
+    def move(self, by: int) -> None:
+        """Shift all times after the clock was set [ns]."""
+
+
 class Stream:
-    """Stream of samples of one topic: traces with the same timestamp source.
+    """Stream of messages of one topic, for traces with the same timestamp source.
 
     :param topic: the topic
     :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`
     :param clocks: the clocks of all topics
 
-    :ivar traces: the recorded traces
+    :ivar sinks: the recorded traces, and perhaps images
     """
 
     def __init__(self, topic: str, timestamp: str, clocks: Optional[Clocks] = None) -> None:
         self.topic = topic
-        self.traces: List["Trace"] = []
+        self.sinks: List[MessageSink] = []
         self._timestamp = timestamp
         self._clocks = clocks or Clocks()
         self._layout: Optional[MessageLayout] = None
@@ -76,13 +97,17 @@ class Stream:
     def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
         """Record an additional field; see :class:`Trace`."""
         trace = Trace(self, path, history, function)
+        self.attach(trace)
+        return trace
+
+    def attach(self, sink: MessageSink) -> None:
+        """Give the messages from now on to an additional sink, and the latest before."""
         if self._layout is not None:
-            trace.read_as(self._layout)
+            sink.read_as(self._layout)
         if self._latest is not None:  # the only message of a latched topic
             messages, times, received = self._latest
-            trace.add(messages, times, received, int(times[-1]))
-        self.traces.append(trace)
-        return trace
+            sink.add(messages, times, received, int(times[-1]))
+        self.sinks.append(sink)
 
     def add(self, layout: MessageLayout, batch: Batch) -> float:
         """Add messages.
@@ -132,13 +157,13 @@ class Stream:
         start, earliest = 0, math.inf
         for _, times, newest, moved in placed:
             if moved:
-                for trace in self.traces:
-                    trace.move(moved)
+                for sink in self.sinks:
+                    sink.move(moved)
             part = slice(start, start + len(times))
             start = part.stop
             newest = newest or int(times[-1])
-            for trace in self.traces:
-                trace.add(messages[part], times, received[part], newest)
+            for sink in self.sinks:
+                sink.add(messages[part], times, received[part], newest)
             earliest = min(earliest, float(times.min() + self.offset) / NS)
             self._latest = (messages[part][-1:], times[-1:], received[part][-1:])
         return earliest
@@ -152,14 +177,14 @@ class Stream:
         except fields.FieldError:  # the type of the topic has changed
             path = None
         if path != self._path:
-            for trace in self.traces:  # existing samples use the scope's clock from now on
-                trace.move(self.offset)
+            for sink in self.sinks:  # existing samples use the scope's clock from now on
+                sink.move(self.offset)
             named = self._timestamp if path is not None else timestamp_source.RECEIVED
             self._time = timestamp_source.topic_time(self._clocks, named, layout)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
-        for trace in self.traces:
-            trace.read_as(layout)
+        for sink in self.sinks:
+            sink.read_as(layout)
 
 
 class Trace:
@@ -223,13 +248,7 @@ class Trace:
     def add(
         self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
     ) -> None:
-        """Add the samples of messages.
-
-        :param messages: the messages
-        :param times: when they were taken, by their own clock [ns]
-        :param received: when they were received [ns]
-        :param newest: the latest plausible time [ns]
-        """
+        """Add the samples of messages; see :meth:`MessageSink.add`."""
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
             for decoder, row in zip(self._decoders, rows):

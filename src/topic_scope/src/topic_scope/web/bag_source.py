@@ -6,6 +6,7 @@ from typing import Any, Dict, List
 import rospy
 import tornado.ioloop
 
+from topic_scope.bag.message_at import MessageFinder
 from topic_scope.bag.opening import learn_types, open_bag
 from topic_scope.bag.player import BagPlayer
 from topic_scope.messages.layout_cache import Layouts
@@ -36,6 +37,7 @@ class BagSource:
         bag = open_bag(path)
         self.source = BagPlayer(bag, history)
         self.begin = self.source.start
+        self.read_again = MessageFinder(path).find
         self.layouts = Layouts()
         self._robots = SceneFeed(self.source.aside, self.layouts)
         self._window = window

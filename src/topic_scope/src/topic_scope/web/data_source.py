@@ -1,6 +1,6 @@
 """Interface between a scope session and its data source: a live graph or a bag."""
 
-from typing import Any, Dict, List, Mapping, Protocol
+from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol
 
 from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.open_page import Page
@@ -62,3 +62,10 @@ class DataSource(Protocol):
 
     def leave(self, page: Page) -> None:
         """Remove a page."""
+
+    @property
+    def read_again(self) -> Optional[Callable[[str, int], Optional[bytes]]]:
+        """Reader of earlier messages, by topic and time of receipt [ns]; None without one.
+
+        It is for any one thread; it returns None if there is no such message.
+        """

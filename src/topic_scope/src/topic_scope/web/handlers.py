@@ -18,6 +18,7 @@ import tornado.websocket
 from topic_scope.page.open_page import Page
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.export_request import export_of
+from topic_scope.protocol.image_request import image_request_of
 from topic_scope.protocol.options import Options
 from topic_scope.protocol.requests import LONGEST
 from topic_scope.web import access
@@ -35,7 +36,7 @@ _SEND_BUFFER = 256 * 1024
 class ScopeHolder:
     """Holder of the current scope, which is replaced once the master answers.
 
-    :ivar scope: object with ``sockets``, ``open``, ``close``, ``handle`` and ``export``
+    :ivar scope: object with ``sockets``, ``open``, ``close``, ``handle``, ``export`` and ``image``
     """
 
     def __init__(self, scope: Any) -> None:
@@ -124,6 +125,41 @@ class CsvData(tornado.web.RequestHandler):
             pass  # the page has closed the connection
 
 
+class ImageData(tornado.web.RequestHandler):
+    """Handler of requests for images.
+
+    The header Image-Description of the response describes the image, or the problem, in JSON.
+
+    :param holder: holder of the current scope
+    """
+
+    def initialize(self, holder: ScopeHolder) -> None:
+        self._scope = holder.scope
+
+    def prepare(self) -> None:
+        _check_host(self)
+
+    def set_default_headers(self) -> None:
+        set_strict_headers(self)
+
+    async def get(self) -> None:
+        """Send the image of a topic and a time, unless the page has it already."""
+        names = [name for name in ("topic", "time", "known") if self.get_arguments(name)]
+        try:
+            wanted = image_request_of({name: self.get_argument(name) for name in names})
+        except RequestError as error:
+            raise tornado.web.HTTPError(400, str(error)) from None
+        description, file = await self._scope.image(wanted)
+        self.set_header("Cache-Control", "no-store")
+        self.set_header("Cross-Origin-Resource-Policy", "same-origin")  # not on pages of others
+        self.set_header("Image-Description", json.dumps(description))
+        if file is None:
+            self.set_status(204)
+            return
+        self.set_header("Content-Type", file.media_type)
+        self.write(file.data)
+
+
 class PageSocket(tornado.websocket.WebSocketHandler):
     """WebSocket of one page.
 
@@ -189,6 +225,7 @@ def application(holder: ScopeHolder, folder: str, names: List[str]) -> tornado.w
         [
             (r"/ws", PageSocket, {"holder": holder}),
             (r"/data\.csv", CsvData, {"holder": holder}),
+            (r"/image", ImageData, {"holder": holder}),
             (r"/static/(.*)", StaticFiles, {"path": folder}),
             (r"/dygraphs/(.*)", StaticFiles, {"path": DYGRAPHS}),
             (r"/()", StaticFiles, {"path": folder, "default_filename": "index.html"}),

@@ -12,8 +12,10 @@ import tornado.ioloop
 from nodekit.master import MasterClient, MasterUnreachable
 from topic_scope.analysis.csv_rows import header
 from topic_scope.page.open_page import Page
+from topic_scope.protocol.image_request import ImageRequest
 from topic_scope.protocol.options import Options
 from topic_scope.web import handlers
+from topic_scope.web.image_feed import ImageReply
 from topic_scope.web.scope_session import ScopeSession
 
 
@@ -56,6 +58,10 @@ class PlaceholderScope:
 
     def handle(self, page: Page, _text: Any) -> None:
         """Ignore a request: a page repeats its requests to the scope session."""
+
+    async def image(self, _request: ImageRequest) -> ImageReply:
+        """Return only the reason: there are no images."""
+        return ImageReply({"problem": "the scope waits for the ROS master"})
 
     async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
         """Return only the header row: there are no samples."""

@@ -33,6 +33,7 @@ class LiveGraph:
         self.layouts = Layouts()
         self._node, self._is_readonly = node, is_readonly
         self._watch = MasterWatch(self.source, self.layouts)
+        self.read_again = None
         self._trouble = ""  # problem of the master, as text
 
     def start(self, server: Pages) -> None:

@@ -9,12 +9,14 @@ from topic_scope.page.csv_export import parts
 from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.image_request import ImageRequest
 from topic_scope.protocol.options import Options
 from topic_scope.sampling.recorder import OfferedField, Recorder
 from topic_scope.web.data_source import DataSource
 from topic_scope.web.field_selection import FieldSelection
 from topic_scope.web.frame_sender import FrameSender
 from topic_scope.web.handlers import PageSocket
+from topic_scope.web.image_feed import ImageFeed, ImageReply
 from topic_scope.web.overlay_loader import OverlayLoader
 from topic_scope.web.trace_requests import TraceRequests
 
@@ -43,10 +45,11 @@ class ScopeSession:
         self._overlays = OverlayLoader(bags, loop.add_callback, self._on_overlays)
         self._overlays.begin_at(source.begin)
         self._selection = FieldSelection(options.fields, self._recorder, self._overlays, self.pages)
+        self._images = ImageFeed(self._recorder, self.pages, source.read_again, source.refresh)
         self.frames = FrameSender(self._recorder, self.sockets)
         source.start(self)
         own = TraceRequests(self._recorder, self._selection, self._overlays, source.refresh)
-        self._handlers = {**own.handlers(), **source.handlers()}
+        self._handlers = {**own.handlers(), **self._images.handlers(), **source.handlers()}
         loop.call_later(WARN_AFTER_S, self._selection.log_problems)
         self.frames.start()
 
@@ -74,6 +77,7 @@ class ScopeSession:
             self._listed = choices_message(choices, types)
             self.send_to_pages(self._listed)
         self._selection.record()
+        self._images.update()
 
     def halt(self) -> None:
         """Drop all samples and send no frames until :meth:`resume`: the clock will jump."""
@@ -109,6 +113,7 @@ class ScopeSession:
             if connection.page is not None:
                 self._source.leave(connection.page)
             self._selection.pin()
+            self._images.update()
 
     def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
         """Return the parts of a CSV file.
@@ -118,6 +123,10 @@ class ScopeSession:
         :param end: end of the time span [s]
         """
         return parts(self._recorder, self._selection.expand(names), start, end)
+
+    async def image(self, request: ImageRequest) -> ImageReply:
+        """Return an image of a topic that a page shows."""
+        return await self._images.reply(request)
 
     def handle(self, page: Page, text: Any) -> None:
         """Handle a request of a page, or send it the reason for a rejection.

@@ -51,6 +51,7 @@ export function keyList({ state, view, cursors, trigger, open }) {
       state.change("chart", { kind: KINDS[(place + 1) % KINDS.length][0] });
     }),
     key(["p"], "p", "show or hide the panels", click("show-panels")),
+    key(["i"], "i", "show or hide the images", click("show-images")),
     key(["g"], "g", "scope or graph; there, / finds, + − 0 zoom", () =>
       state.set({ view: state.values.view === "scope" ? "graph" : "scope" })),
     key(["r"], "r", "scope or robots; there, arrow keys move, f follows a robot", () =>

@@ -1,6 +1,7 @@
 /** Requests to the server, repeated after a lost connection. */
 
 import { clamp } from "../base/numbers.js";
+import { imageTopic } from "../state/image_topics.js";
 import { scalingOf } from "../state/traces.js";
 
 const EVERY_MS = 50; // between two views while the wheel turns
@@ -32,6 +33,7 @@ export class Requests {
     state.on(["window", "end"], () => this.sendViewSoon());
     state.on(["fields", "traces", "available"], () => this.sendScaling());
     state.on(["trigger"], () => this.sendTrigger());
+    state.on(["images", "types", "view"], () => this.sendImages());
     state.on(["view"], () => {
       this.sendShown();
       this.sendViewSoon();
@@ -63,6 +65,7 @@ export class Requests {
     this.sendTrigger();
     this.sendChart(this.chart);
     this.sendShown();
+    this.sendImages();
   }
 
   /**
@@ -122,6 +125,12 @@ export class Requests {
   sendMeasure(message) {
     const { shapes, latency, against, start, over_time: overTime } = message;
     this.send(message, !shapes && !latency && !against && start === null && !overTime);
+  }
+
+  /** Request the images of the shown topic. */
+  sendImages() {
+    const topic = imageTopic(this.state.values);
+    this.send({ type: "images", topic }, !topic);
   }
 
   /** Request the messages of the graph or the robots while they are shown. */

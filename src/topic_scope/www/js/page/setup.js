@@ -53,6 +53,7 @@ const PARTS = {
       isList(figures) && isText(against) && typeof between === "boolean" && Number.isInteger(overTime),
   },
   panels: { ok: (value) => typeof value === "boolean" },
+  images: { ok: ({ shown, topic }) => typeof shown === "boolean" && isText(topic) },
   view: { ok: (value) => VIEWS.includes(value) },
 };
 

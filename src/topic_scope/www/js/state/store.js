@@ -50,6 +50,7 @@ const INITIAL = {
   readonly: false,
   isBag: false, // whether a bag is shown, in place of a graph
   panels: true, // whether they are shown
+  images: { shown: false, topic: "" }, // topic "": the first with images
   view: "scope",
   theme: "light",
 };

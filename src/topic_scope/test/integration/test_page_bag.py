@@ -291,6 +291,46 @@ class Bag(unittest.TestCase):
         self.assertFalse(browser.find("#images").is_displayed())
         self.assertEqual(browser.errors(), [])
 
+    @extended
+    def test_the_clock_of_a_topic_is_chosen_in_its_row(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False)
+        name = "/camera/width"
+        page.send("select", fields=[FIELD, name])
+        page.wait_for("stats", lambda reply: reply["clocks"] == ["/signal"])
+        browser = shared_browser()
+        self.addCleanup(browser.driver.get, "about:blank")
+        browser.errors()  # of previous tests
+        browser.open(self.scope.url)
+        browser.wait_for(f"#legend tr[data-field='{FIELD}']")
+        browser.keys("a")
+        browser.wait_for("#chooser-search").send_keys(name, Keys.ENTER, Keys.ESCAPE)
+        row, source = f"#legend tr[data-field='{name}']", f"[data-control='timestamp {name}']"
+        browser.wait_for(f"{source} option[value='clock of /signal']")
+        own = browser.find(f"[data-control='timestamp {FIELD}']").text
+        self.assertNotIn("clock of", own)  # no other clock is estimated
+        browser.choose(source, "clock of /signal")
+        text = "by the clock of /signal, shifted by 1.7e+09 s"
+        page.wait_for("stats", lambda reply: reply["traces"][name].get("correction") == text)
+        # A wrong choice can be undone: the list stays.
+        self.wait_text(browser, row, "no sample in this span: the first is 1.7e+09 s after it")
+        browser.wait_for(source)
+        # Another page has it, too, and one that is loaded again.
+        browser.driver.refresh()
+        browser.wait_for(source)
+        wait_until(
+            lambda: browser.value(source) == "clock of /signal", lambda: browser.text("#legend")
+        )
+        browser.choose(source, "")
+        page.forget()
+        page.wait_for("stats", lambda reply: reply["traces"][name]["clock"] is None)
+        wait_until(lambda: browser.value(source) == "", lambda: browser.text("#legend"))
+        self.assertNotIn("clock of", browser.text(f"{row} .badge"))
+        page.send("clock", topic="/camera", leader="/odom")
+        error = page.wait_for("error")["text"]
+        self.assertIn("/odom has no clock of its own; the topics that have: /signal", error)
+        self.assertEqual(browser.errors(), [])
+
     def pixel(self, browser: Browser) -> Any:
         """Return red, green and blue of a pixel in the middle of the image."""
         code = """

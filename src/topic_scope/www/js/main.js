@@ -57,7 +57,7 @@ const openTrace = startTraceDialog(state, (field) => keepReference(state, plot.s
 const legend = new Legend(state, plot, cursors, (field) => {
   mask.choose(field);
   openTrace(field);
-});
+}, (topic, leader) => send({ type: "clock", topic, leader }));
 new Hover(byId("stage"), byId("overlay"), state, plot, (field) => legend.spreads.get(field));
 new Images(state, sweep);
 const graph = new Graph(state, (topic) => plotTopic(state, open.chooser, topic));
@@ -101,8 +101,8 @@ const handlers = {
   },
   spectrum: (message) => charts.onChart(message),
   xy: (message) => charts.onChart(message),
-  stats: ({ traces }) => {
-    legend.showStats(traces);
+  stats: ({ traces, clocks }) => {
+    legend.showStats(traces, clocks);
     showOverTime(traces);
     describe(traces);
   },

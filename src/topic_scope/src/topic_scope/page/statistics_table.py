@@ -43,7 +43,7 @@ def statistics_of(
         name: _measured(recorder, read, name, span, wanted, backoff, now) for name in view.shown
     }
     traces.update((name, _state_of(recorder, name, now)) for name in view.states)
-    return {"type": "stats", "traces": traces}
+    return {"type": "stats", "traces": traces, "clocks": recorder.streams.clock_topics()}
 
 
 def left_out(count: int, most: int) -> str:
@@ -124,7 +124,8 @@ def _state_of(recorder: Recorder, name: str, now: float) -> Dict[str, Any]:
 def _origin_of(trace: Recorded) -> Dict[str, Any]:
     stream = trace.stream
     origin = {"topic": stream.topic, "timestamp": stream.timestamp}
-    return {**origin, "correction": trace.correction}
+    leader = stream.leader.topic if stream.leader is not None else None
+    return {**origin, "correction": trace.correction, "clock": leader}
 
 
 def _silence(trace: Recorded, now: float) -> Optional[float]:

@@ -30,8 +30,8 @@ from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 from topic_scope.sampling.image_history import ImageHistory, histories
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
 from topic_scope.sampling.message_source import Batch, MessageSource
+from topic_scope.sampling.streams import Streams
 from topic_scope.sampling.traces import Stream, Trace
-from topic_scope.timing.clocks import Clocks
 from topic_scope.timing.nanoseconds import NS, to_ns
 
 #: Most listed fields, and most topics that are subscribed to for a single message.
@@ -87,9 +87,9 @@ class Recorder:
         self._latest: Dict[str, Tuple[MessageLayout, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[OfferedField]] = {}
         self._traces: Dict[str, Trace] = {}
-        self._streams: Dict[Tuple[str, str], Stream] = {}
+        #: Streams of the topics, with the choices of their clocks.
+        self.streams = Streams()
         self._images: Dict[str, ImageHistory] = {}
-        self._clocks = Clocks()
         #: Time up to which each shown formula was known at the latest update [s].
         self._known: Dict[str, float] = {}
         #: Times of the latest updates, and of the earliest sample that each added [s].
@@ -98,14 +98,14 @@ class Recorder:
     def set_topics(self, types: Mapping[str, str]) -> None:
         """Update the topics and their types."""
         self._types = types
-        kept = {*types, *(topic for topic, _ in self._streams)}
+        kept = {*types, *self.streams.topics}
         self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
 
     def choices(self) -> List[OfferedField]:
         """List the available fields."""
         # Only shown topics are listed again: listing all would dominate the cost.
         known, self._choices = self._choices, {}
-        recorded = {stream.topic for stream in self._streams.values()}
+        recorded = set(self.streams.topics)
         for topic, datatype in sorted(self._types.items(), key=_rank):
             layout = self._layout_of(topic)
             if layout is None:
@@ -201,7 +201,7 @@ class Recorder:
 
     def _attach_images(self, topics: Collection[str]) -> None:
         for topic in topics:
-            stream = self._stream(topic, "")
+            stream = self.streams.get(topic)
             stream.attach(self._images[topic])
             self._repeat_latest(stream)
 
@@ -210,16 +210,14 @@ class Recorder:
 
         :param is_more: whether there are new traces or images
         """
-        kept: Set[Any] = {*self._traces.values(), *self._images.values()}
-        for stream in self._streams.values():
-            stream.sinks = [sink for sink in stream.sinks if sink in kept]
-        self._streams = {key: stream for key, stream in self._streams.items() if stream.sinks}
-        topics = [topic for topic, _ in self._streams] + self._unknown_topics()
-        self._source.want(topics, is_more)
+        recorded: Set[Any] = {*self._traces.values(), *self._images.values()}
+        self.streams.keep(recorded)
+        self._source.want(self.streams.topics + self._unknown_topics(), is_more)
 
     def forget(self) -> None:
         """Drop all samples: the clock has jumped."""
-        traces, self._streams, self._clocks = self._traces, {}, Clocks()
+        self.streams.restart()
+        traces = self._traces
         self._traces = {name: one for name, one in traces.items() if isinstance(one, OverlayTrace)}
         self._updates.clear()
         self._latest.clear()
@@ -256,13 +254,9 @@ class Recorder:
             laid = self._overlaid[place[0]]
             self._traces[name] = laid.trace(place[0], path, timestamp, function)
             return
-        stream = self._stream(place[0], timestamp)
+        stream = self.streams.get(place[0], timestamp)
         self._traces[name] = stream.record(path, self.history, function)
         self._repeat_latest(stream)
-
-    def _stream(self, topic: str, timestamp: str) -> Stream:
-        made = Stream(topic, timestamp, self._clocks)
-        return self._streams.setdefault((topic, timestamp), made)
 
     def _repeat_latest(self, stream: Stream) -> None:
         """Give a new stream the latest message: a latched message arrives only once."""
@@ -276,7 +270,7 @@ class Recorder:
     def images(self, topic: str) -> Optional[Tuple[ImageHistory, Stream]]:
         """Return the kept images of a topic, and the stream that places them; None for others."""
         images = self._images.get(topic)
-        return None if images is None else (images, self._streams[topic, ""])
+        return None if images is None else (images, self.streams.get(topic))
 
     def update(self) -> float:
         """Read new messages from the source.
@@ -284,11 +278,11 @@ class Recorder:
         :returns: the time up to which samples are complete [s]
         """
         now = self._source.clock.now()
-        earliest, changes = now, self._clocks.changes
+        earliest, changes = now, self.streams.clocks.changes
         subscriptions = self._source.subscriptions()
         self._latest = {topic: one for topic, one in self._latest.items() if topic in subscriptions}
         streams: Dict[str, List[Stream]] = {}
-        for stream in self._streams.values():
+        for stream in self.streams:
             streams.setdefault(stream.topic, []).append(stream)
         for topic, subscription in subscriptions.items():
             for batch in subscription.drain():
@@ -302,9 +296,9 @@ class Recorder:
                 for stream in streams.get(topic, []):
                     earliest = min(earliest, stream.add(layout, batch))
         moment = to_ns(math.inf if self._source.has_ended else now)
-        for stream in self._streams.values():
+        for stream in self.streams:
             earliest = min(earliest, stream.release(moment))
-        if self._clocks.changes != changes:  # all topics of the clock have shifted
+        if self.streams.clocks.changes != changes:  # all topics of the clock have shifted
             earliest = -math.inf
         for name, known in self._known.items():
             trace = self.trace(name)

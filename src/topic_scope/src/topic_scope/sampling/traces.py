@@ -13,7 +13,7 @@ from topic_scope.messages.decoding import Decoder, rounding_text
 from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.sampling.message_source import Batch
-from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
+from topic_scope.timing.clocks import ELSEWHERE_NS, Clock, Clocks
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
 from topic_scope.timing.topic_time import PlacedMessages, TopicTime
 
@@ -54,11 +54,13 @@ class Stream:
     :param clocks: the clocks of all topics
 
     :ivar sinks: the recorded traces, and perhaps images
+    :ivar leader: stream of the topic whose clock the user has chosen; None without one
     """
 
     def __init__(self, topic: str, timestamp: str, clocks: Optional[Clocks] = None) -> None:
         self.topic = topic
         self.sinks: List[MessageSink] = []
+        self.leader: Optional[Stream] = None
         self._timestamp = timestamp
         self._clocks = clocks or Clocks()
         self._layout: Optional[MessageLayout] = None
@@ -70,9 +72,23 @@ class Stream:
         self._waiting: Optional[Tuple[Batch, numpy.ndarray]] = None
 
     @property
+    def clock(self) -> Clock:
+        """Clock of the stamps."""
+        return self.present_clock()
+
+    @property
     def offset(self) -> int:
         """Offset from the times in the rings to the scope's clock [ns]."""
-        return self._time.clock.offset
+        return self.clock.offset
+
+    def follow(self, leader: Optional["Stream"]) -> None:
+        """Use the clock of another topic; None to estimate it."""
+        self.leader = leader
+        self._time.choose(None if leader is None else leader.present_clock)
+
+    def present_clock(self) -> Clock:
+        """Return the clock of the stamps; another one after the clock is set."""
+        return self._time.clock
 
     @property
     def path(self) -> Optional[fields.Path]:
@@ -87,7 +103,10 @@ class Stream:
     @property
     def correction(self) -> Optional[str]:
         """Correction of the stamps, and contradicted stamps, as text; None without any."""
-        return timestamp_source.oddities(self._path, self._time)
+        if self.leader is None or self.path is None:
+            return timestamp_source.oddities(self._path, self._time)
+        shift = f"by the clock of {self.leader.topic}, shifted by {self.offset / NS:.6g} s"
+        return "; ".join(filter(None, (shift, self._time.outliers.text)))
 
     @property
     def no_latency(self) -> Optional[str]:
@@ -181,6 +200,7 @@ class Stream:
                 sink.move(self.offset)
             named = self._timestamp if path is not None else timestamp_source.RECEIVED
             self._time = timestamp_source.topic_time(self._clocks, named, layout)
+            self.follow(self.leader)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
         for sink in self.sinks:
@@ -209,6 +229,7 @@ class Trace:
         self.used_at = 0.0
         self._pinned = NOWHERE
         self._pinned_offset = 0
+        self._pinned_leader: Optional[Stream] = None
         self._longest_step: Optional[float] = None
         self._new = 0
         self._function = field_functions.make(function)
@@ -294,10 +315,11 @@ class Trace:
     def pin(self, start: float, end: float) -> None:
         """Keep the samples of a time span beyond the history [s]."""
         span = (to_ns(start), to_ns(end)) if start <= end else NOWHERE
-        if span != self._pinned:
-            if self._pinned == NOWHERE:
+        is_chosen = self.stream.leader is not self._pinned_leader  # the user chose another clock
+        if span != self._pinned or is_chosen:
+            if self._pinned == NOWHERE or is_chosen:
                 self._pinned_offset = self.stream.offset
-            self._pinned = span
+            self._pinned, self._pinned_leader = span, self.stream.leader
             if span != NOWHERE:
                 span = (span[0] - self._pinned_offset, span[1] - self._pinned_offset)
             self.ring.pin(*span)

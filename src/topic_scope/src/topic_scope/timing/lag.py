@@ -51,8 +51,14 @@ class Lag:
 
     def stamps(self) -> numpy.ndarray:
         """Return the latest stamps [ns]."""
-        parts = [received - differences for received, differences in self._recent]
-        return numpy.concatenate([numpy.empty(0, numpy.int64), *parts])
+        return self.recent()[1]
+
+    def recent(self) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        """Return the latest times of receipt and their stamps [ns]."""
+        nothing = numpy.empty(0, numpy.int64)
+        received = numpy.concatenate([nothing, *(times for times, _ in self._recent)])
+        apart = numpy.concatenate([nothing, *(differences for _, differences in self._recent)])
+        return received, received - apart
 
     def begin(self, usual: int, received: int) -> None:
         """Start with a difference [ns], before any message has confirmed it."""

@@ -5,7 +5,7 @@ A sample is placed at its stamp, however late or early its message arrives. A si
 not affect the others: a clock has been set only if the following messages confirm it.
 """
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import numpy
 
@@ -98,6 +98,10 @@ class TopicTime:
         self._attached_at = 0
         self._newest = NO_TIME
         self._step = self._alone = self._moved = 0
+        #: Returns the clock of the topic that the user chose; None to estimate it.
+        self._chosen_clock: Optional[Callable[[], Clock]] = None
+        #: How much later than by that clock messages are received [ns].
+        self._delay = 0
         #: Offset of the clock when it was last set [ns]; None before.
         self._jumped_to: Optional[int] = None
 
@@ -105,6 +109,51 @@ class TopicTime:
     def patience(self) -> int:
         """Time that messages wait for others to confirm them [ns]."""
         return max(_PATIENCE_NS, _PATIENCE_STEPS * self._step)
+
+    def choose(self, clock: Optional[Callable[[], Clock]]) -> None:
+        """Use the clock of another topic, which this topic does not affect, or estimate it again.
+
+        Samples are placed again, also earlier ones.
+
+        :param clock: returns the clock; None to estimate it
+        """
+        self._chosen_clock = clock
+        if not self.has_stamps:
+            return
+        if clock is not None:
+            self.clock.members.discard(self._lag)
+            self.clock = clock()
+            self._delay = self._lag.usual - self.clock.offset
+        else:
+            received, stamps = self._lag.recent()
+            self._attach(stamps, received)
+        self._moved = 0
+
+    def _follow(self, clock: Clock, own: numpy.ndarray, received: numpy.ndarray) -> None:
+        """Switch to a chosen clock that was set, as soon as the stamps are by it.
+
+        Earlier samples stay where they are.
+        """
+        there = own != NO_TIME
+        if clock is self.clock or not there.any():
+            return
+        apart = median((received - own)[there]) - self._delay
+        if abs(apart - clock.offset) < abs(apart - self.clock.offset):
+            self._moved += self.clock.offset - clock.offset
+            self.clock = clock
+
+    def _follows_chosen(
+        self, own: numpy.ndarray, received: numpy.ndarray, left: Optional[Clock]
+    ) -> bool:
+        """Return whether stamps are by the chosen clock.
+
+        They are not from when they were set until the other topic is received.
+        """
+        if self._chosen_clock is None:
+            return False
+        self._follow(self._chosen_clock(), own, received)
+        apart = median(received - own) - self._delay
+        return left is None or abs(apart - self.clock.offset) <= BACK_NS
 
     def place(
         self, own: numpy.ndarray, received: numpy.ndarray, is_final: bool = False
@@ -119,6 +168,8 @@ class TopicTime:
         """
         placed: List[PlacedMessages] = []
         start = stop = 0
+        if self._chosen_clock is not None:
+            self._follow(self._chosen_clock(), own, received)
         while start < len(own):
             stop = max(stop, int(received.searchsorted(received[start] + _PART_NS, "right")))
             some = slice(start, stop)
@@ -223,13 +274,15 @@ class TopicTime:
 
         :param left: the previous clock, which they no longer follow
         """
-        before = self.clock.offset
         self.clock.members.discard(self._lag)
-        self.clock = self._clocks.find(own, received, self._is_stamp, self._is_exact, left)
+        if not self._follows_chosen(own, received, left):
+            before = self.clock.offset
+            self.clock = self._clocks.find(own, received, self._is_stamp, self._is_exact, left)
+            self._moved += before - self.clock.offset
         self._attached_at = median(received - own)
         self._lag.begin(self._attached_at, int(received[-1]))
-        self.clock.members.add(self._lag)
-        self._moved = before - self.clock.offset
+        if self._chosen_clock is None:
+            self.clock.members.add(self._lag)
         self._clocks.changes += 1
 
     def _jump(self, own: numpy.ndarray, received: numpy.ndarray) -> None:
@@ -285,7 +338,8 @@ class TopicTime:
                 self._attach(stamps, received)
                 before = self._jumped_to  # samples from before the clock was set stay
                 self._moved = 0 if before is None else before - self.clock.offset
-        self._clocks.follow(self.clock, lag.received)
+        if self._chosen_clock is None:
+            self._clocks.follow(self.clock, lag.received)
 
     def _placed_alone(self, own: numpy.ndarray, received: numpy.ndarray) -> PlacedMessages:
         """Place messages that no others confirm, at their stamps if these are plausible."""

@@ -76,6 +76,17 @@ class FieldSelection:
         self._overlays.read_wanted()
         self.pin()
 
+    def choose_clock(self, topic: str, leader: str) -> None:
+        """Place the samples of a topic by the clock of another one, on all pages.
+
+        :param leader: the other topic; empty to estimate the clock
+        :raises FieldError: if a topic does not have a clock
+        """
+        self._recorder.streams.choose_clock(topic, leader)
+        for page in self._pages():
+            page.show_again()
+        self.pin()
+
     def pin(self) -> None:
         """Keep the samples that a paused page shows."""
         self._recorder.pin(pinned(page.view for page in self._pages()))

@@ -9,6 +9,8 @@ from topic_scope.messages.fields import FieldError
 from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.protocol import formula_request, requests
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.clock_request import ClockRequest, clock_request_of
 from topic_scope.protocol.overlay_request import overlay_of
 from topic_scope.protocol.requests import Handler
 from topic_scope.protocol.scaling import scaling_of
@@ -47,6 +49,7 @@ class TraceRequests:
             "scaling": Handler(scaling_of, Page.scale),
             "measure": Handler(requests.measure_of, Page.set_measure),
             "chart": Handler(requests.chart_of, Page.set_chart),
+            "clock": Handler(clock_request_of, self._choose_clock),
             "mask": Handler(formula_request.mask_of, self._set_mask),
             "overlay": Handler(overlay_of, self._overlays.lay),
         }
@@ -58,6 +61,12 @@ class TraceRequests:
         page.view.restart()
         self._selection.record()
         self._refresh()
+
+    def _choose_clock(self, _page: Page, wanted: ClockRequest) -> None:
+        try:
+            self._selection.choose_clock(wanted.topic, wanted.leader)
+        except FieldError as error:
+            raise RequestError(f"clock: {error}") from None
 
     def _check_formula(self, page: Page, typed: formula_request.FormulaText) -> None:
         """Send a page the name of a formula as a trace, or the problem with the formula."""

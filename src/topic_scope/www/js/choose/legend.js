@@ -33,15 +33,18 @@ export class Legend {
    * @param {import("../plot/stack.js").Plots} plot
    * @param {import("../measure/cursors.js").Cursors} cursors
    * @param {function(string): void} openTrace opens the dialog of a trace
+   * @param {function(string, string): void} chooseClock see timestamp_source.js
    */
-  constructor(state, plot, cursors, openTrace) {
+  constructor(state, plot, cursors, openTrace, chooseClock) {
     this.state = state;
     this.openTrace = openTrace;
+    this.chooseClock = chooseClock;
     this.cursors = cursors;
     this.rows = new Map();
     this.references = new Map(); // reference -> its row
     this.spreads = new Map(); // field -> its peak-to-peak value
     this.measured = {}; // latest measurements, by field
+    this.clocks = []; // a topic of each estimated clock
     this.body = byId("legend");
     this.table = this.body.parentElement;
     this.room = this.table.parentElement;
@@ -80,7 +83,7 @@ export class Legend {
       [one, referenceRow(this.state, one, this.columns)]));
     const all = [...this.rows.values(), ...this.references.values()];
     this.body.replaceChildren(...all.map((row) => row.element));
-    this.showStats(this.measured); // otherwise the next figures would move buttons under the pointer
+    this.showStats(this.measured, this.clocks); // otherwise the next figures would move buttons under the pointer
     this.fit();
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
   }
@@ -121,7 +124,7 @@ export class Legend {
       click: () => state.set({ right: toggled(right, field) }),
     }, right.has(field) ? "right" : "left");
     setPressed(axis, right.has(field));
-    const timestamp = timestampChoice(state, field);
+    const timestamp = timestampChoice(state, field, this.chooseClock);
     const badge = make("span", { class: "badge", role: "status", hidden: true });
     const more = make("button", {
       type: "button",
@@ -164,14 +167,17 @@ export class Legend {
   /**
    * Show the server's measurements.
    * @param {Object<string, Object<string, ?number>>} traces
+   * @param {string[]} clocks a topic of each estimated clock
    */
-  showStats(traces) {
+  showStats(traces, clocks) {
     this.measured = traces;
+    this.clocks = clocks;
     for (const [field, { element, name, cells, timestamp, badge }] of this.rows) {
       const measured = traces[field] || {};
-      element.classList.toggle("gone", Boolean(measured.problem));
-      name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the text takes the whole row
-      if (measured.topic) timestamp.show(measured.topic, measured.timestamp);
+      const isGone = Boolean(measured.problem) && !measured.clock; // the choice of a clock can be undone
+      element.classList.toggle("gone", isGone);
+      name.colSpan = isGone ? 4 + this.columns.length : 1; // the text takes the whole row
+      if (measured.topic) timestamp.show(measured, clocks);
       setText(badge, missing(measured));
       badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));

@@ -54,32 +54,51 @@ export function setSource(state, name, source) {
   else state.set(changes);
 }
 
+const CLOCK = "clock of "; // not the start of a timestamp source
+
 /**
- * Make the list of timestamp sources of a trace.
+ * Make the list of timestamp sources of a trace, and of clocks for its stamps.
  * @param {import("../state/store.js").State} state
  * @param {string} name of the trace
- * @returns {{element: HTMLSelectElement, show: function(string, string): void}} show takes the
- *   topic of the trace, and the source in use
+ * @param {function(string, string): void} chooseClock takes the topic of the trace, and the topic
+ *   whose clock it follows, empty to leave it to the scope
+ * @returns {{element: HTMLSelectElement, show: function(Object, string[]): void}} show takes the
+ *   measurements of the trace, and a topic of each estimated clock
  */
-export function timestampChoice(state, name) {
+export function timestampChoice(state, name, chooseClock) {
   const isFixed = isComputed(name); // its timestamps are those of its fields
   const chosen = isFixed ? "" : splitSource(name)[1];
   const auto = make("option", { value: "" }, "auto");
+  let topic = "";
+  let clock = ""; // text of the clock that the user has chosen
+  const choose = (value) => {
+    if (value.startsWith(CLOCK)) chooseClock(topic, value.slice(CLOCK.length));
+    else if (clock) chooseClock(topic, "");
+    if (!value.startsWith(CLOCK)) setSource(state, name, value);
+  };
   const element = make("select", {
     "aria-label": `timestamp source of ${name}`,
     "data-control": `timestamp ${name}`,
     title: "timestamp source",
     disabled: isFixed,
-    change: () => setSource(state, name, element.value),
+    change: () => choose(element.value),
   }, auto, ...options(chosen ? [chosen] : []));
   element.value = chosen;
 
-  function show(topic, source) {
-    if (!chosen) setText(auto, `auto (${source})`);
+  function show(measured, clocks) {
+    topic = measured.topic;
+    if (!chosen) setText(auto, `auto (${measured.timestamp})`);
     if (isFixed) return;
+    clock = measured.clock ? `${CLOCK}${measured.clock}` : "";
+    const isStamped = !chosen && measured.timestamp !== "received";
+    const others = clocks.filter((one) => isStamped && one !== topic).map((one) => `${CLOCK}${one}`);
+    const wanted = [...sourcesOf(state.values.available, topic), ...others, ...(clock ? [clock] : [])];
+    for (const one of [...element.options]) {
+      if (one.value.startsWith(CLOCK) && !wanted.includes(one.value)) one.remove();
+    }
     const listed = [...element.options].map(({ value }) => value);
-    const missing = sourcesOf(state.values.available, topic).filter((one) => !listed.includes(one));
-    element.append(...options(missing));
+    element.append(...options([...new Set(wanted)].filter((one) => !listed.includes(one))));
+    if (element.value !== (clock || chosen)) element.value = clock || chosen; // also if it was rejected
   }
   return { element, show };
 }

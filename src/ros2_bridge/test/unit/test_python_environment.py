@@ -281,6 +281,24 @@ def test_packages_are_found_at_any_depth_as_catkin_finds_them(tmp_path: pathlib.
     }
 
 
+def test_package_with_a_broken_manifest_is_named_and_omitted(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    package(tmp_path / "good_msgs")
+    package(tmp_path / "broken_msgs")
+    (tmp_path / "broken_msgs" / "package.xml").write_text("<package><name>broken_msgs</name")
+    assert list(python_environment.packages_under(tmp_path)) == ["good_msgs"]
+    assert "broken_msgs/package.xml: not valid XML (unclosed token" in capsys.readouterr().err
+
+
+def test_comment_in_an_old_encoding_is_read(tmp_path: pathlib.Path) -> None:
+    package(tmp_path / "old_msgs")
+    (tmp_path / "old_msgs" / "msg").mkdir(exist_ok=True)
+    (tmp_path / "old_msgs" / "msg" / "Heat.msg").write_bytes(b"float32 value  # in \xb0C\n")
+    found = python_environment.definitions({"old_msgs": tmp_path / "old_msgs"})
+    assert found["old_msgs"]["msg/Heat.msg"] == "float32 value  # in \xb0C\n"
+
+
 def test_debian_packages_contain_only_messages(tmp_path: pathlib.Path) -> None:
     for name, parts in {
         "a_msgs": ["__init__.py", "msg"],

@@ -16,7 +16,6 @@ import time
 from typing import Dict, Iterator, List, Mapping, Sequence
 from xml.etree import ElementTree
 
-import rospkg
 import yaml
 
 from ros2_bridge.environment.start import DEBIAN
@@ -301,12 +300,20 @@ def definitions(packages: Mapping[str, pathlib.Path]) -> Dict[str, Dict[str, str
     """Return the definitions of each package, text by path within it."""
     return {
         name: {
-            str(path.relative_to(folder)): path.read_text("utf-8")
+            str(path.relative_to(folder)): _read(path)
             for kind in ("msg", "srv", "action")
             for path in sorted(folder.glob(f"{kind}/*.{kind}"))
         }
         for name, folder in packages.items()
     }
+
+
+def _read(path: pathlib.Path) -> str:
+    data = path.read_bytes()
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:  # most often an old comment with a degree sign
+        return data.decode("latin-1")
 
 
 def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
@@ -320,9 +327,25 @@ def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
 
 
 def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
-    """Return the packages in a folder at any depth, as catkin finds them."""
-    found = rospkg.RosPack([str(folder)])
-    return {name: pathlib.Path(found.get_path(name)) for name in found.list()}
+    """Return the packages in a folder at any depth, as catkin finds them.
+
+    A package whose package.xml cannot be read is omitted, with a message.
+    """
+    found = {}
+    for place, folders, files in os.walk(str(folder), followlinks=True):
+        if "CATKIN_IGNORE" in files:
+            folders.clear()
+        elif "package.xml" in files:
+            folders.clear()
+            manifest = pathlib.Path(place, "package.xml")
+            try:
+                name = ElementTree.parse(str(manifest)).findtext("name", "").strip()
+            except ElementTree.ParseError as error:
+                say(f"{manifest}: not valid XML ({error}): the package is left out")
+            else:
+                if found.setdefault(name, manifest.parent) != manifest.parent:
+                    say(f"{manifest}: {found[name]} has the same name: this package is left out")
+    return found
 
 
 def debian_packages(share: pathlib.Path = SHARE, modules: str = DEBIAN) -> Dict[str, pathlib.Path]:

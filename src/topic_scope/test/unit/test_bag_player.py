@@ -52,6 +52,22 @@ def opened() -> Iterator[Callable[[Path], Ros1Recording]]:
         yield lambda path: stack.enter_context(Ros1Recording(str(path)))
 
 
+def test_large_messages_are_read_in_several_calls(
+    bag: Ros1Recording, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    player = playing(bag, Clock(), "/a", history=10.0)
+    player.seek(player.end)
+    player.now()
+    assert not player.is_loading
+    monkeypatch.setattr("topic_scope.bag.player.MOST_BYTES", 40)
+    player.seek(player.end)
+    counts = []
+    while player.is_loading:
+        player.now()
+        counts += [len(one.messages) for one in player.subscriptions()["/a"].drain()]
+    assert sum(counts) == len(RECORDED["/a"]) and len(counts) > 5
+
+
 def playing(bag: Ros1Recording, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
     player = BagPlayer(bag, history, clock)
     player.want(topics)

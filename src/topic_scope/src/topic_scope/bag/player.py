@@ -17,6 +17,8 @@ from topic_scope.sampling.message_source import TICK_NS, Batch
 
 #: Longest reading time of a call [s]: while pages are updated, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
+#: Bytes of messages, such as images, after which a call stops reading.
+MOST_BYTES = 16 * 10**6
 _NS = 10**9
 #: History before a position for side subscriptions [ns].
 ASIDE_NS = 5 * _NS
@@ -217,7 +219,7 @@ class BagPlayer:
         :param until: time to stop [s]
         :returns: the time up to which all messages have been read [ns]
         """
-        is_late = False
+        is_late, size = False, 0
         while self._chunks:
             number, begin = self._chunks[0]
             if begin > target:
@@ -226,12 +228,14 @@ class BagPlayer:
                 return begin - 1
             self._chunks.popleft()
             try:
-                self._parts += self._bag.read(number, self._connections)
+                parts = self._bag.read(number, self._connections)
+                size += sum(sum(map(len, part.messages)) for part in parts)
+                self._parts += parts
             except BagError as error:  # other chunks may be intact
                 self.problems.append(str(error))
             self.problems += self._bag.notes
             self._bag.notes.clear()
-            is_late = self._clock() >= until
+            is_late = size >= MOST_BYTES or self._clock() >= until
         return target
 
     def _put(self) -> None:

@@ -11,7 +11,13 @@ from typing import Any, Iterator, List
 import both
 import pytest
 import rospy
-from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterType, SetParametersResult
+from rcl_interfaces.msg import (
+    Parameter,
+    ParameterDescriptor,
+    ParameterEvent,
+    ParameterType,
+    SetParametersResult,
+)
 from rcl_interfaces.srv import (
     DescribeParameters,
     GetParameters,
@@ -257,6 +263,7 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     node.declare_parameter("pid.p", 3)
     node.declare_parameter("limits", [1.5, 2.5])
     node.declare_parameter("mask", [b"a", b"b"])
+    node.declare_parameter("serial", 5, ParameterDescriptor(read_only=True))
 
     checked: List[str] = []
 
@@ -275,6 +282,10 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     rospy.set_param(key, -1.0)
     bridge.wait_for_log("refused by ROS 2: ", f"{key}=-1.0 (must be above 0; 1.0 stays)")
     wait_until(lambda: rospy.get_param(key) == 1.0, lambda: "not put back")
+    rospy.set_param("/motor_of_ros2/serial", 6)
+    why = "Trying to set a read-only parameter: serial; 5 stays"
+    bridge.wait_for_log("refused by ROS 2: ", f"/motor_of_ros2/serial=6 ({why})")
+    wait_until(lambda: rospy.get_param("/motor_of_ros2/serial") == 5, lambda: "not put back")
     rospy.set_param("/motor_of_ros2/sample_tme", 1.0)
     said = "the node in ROS 2 has no such parameter; did you mean sample_time?"
     bridge.wait_for_log(f"/motor_of_ros2/sample_tme: {said}")

@@ -217,4 +217,5 @@ class ParametersToRos1:
             return str(error)
         if len(results) != 1:
             return f"the node sent {len(results)} results for one parameter"
-        return "" if results[0].successful else results[0].reason or "no reason given"
+        reason = results[0].reason.rstrip(".")  # more follows in the message
+        return "" if results[0].successful else reason or "no reason given"

@@ -271,5 +271,5 @@ class Answers:
 
 
 def _is_asked(name: str) -> bool:
-    """Return whether a topic belongs to the generator, or to every node."""
-    return name.startswith("/signal") or name in ("/rosout", "/parameter_events")
+    """Return whether a topic belongs to the generator, to every node, or to the bridge."""
+    return name.startswith("/signal") or name in (*_OF_ALL, "/diagnostics")

@@ -110,5 +110,5 @@ def test_table_has_a_row_for_each_topic_with_messages() -> None:
 
 def test_table_without_messages_has_no_columns() -> None:
     lines = table("/b", health({Route("/idle", True): IDLE}, trouble="no master")).splitlines()
-    assert lines[0].startswith("/b: no master; topics to ROS 2 1,")
+    assert lines[0].startswith("/b: ERROR no master; topics to ROS 2 1,")
     assert lines[1:] == ["topics without messages: 1"]

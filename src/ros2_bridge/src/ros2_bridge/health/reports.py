@@ -139,7 +139,8 @@ def table(node: str, health: BridgeHealth) -> str:
     :param node: name of the bridge
     """
     head, *others = statuses(health)
-    lines = [f"{node}: {head.message}; {', '.join(f'{name} {what}' for name, what in head.values)}"]
+    numbers = ", ".join(f"{name} {what}" for name, what in head.values)
+    lines = [f"{node}: {'ERROR ' if head.level else ''}{head.message}; {numbers}"]
     rows: List[Tuple[str, ...]] = [_COLUMNS]
     idle = 0
     for route, state in sorted(health.topics.items()):

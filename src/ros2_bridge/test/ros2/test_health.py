@@ -6,7 +6,9 @@ import signal
 import socket
 import struct
 import subprocess
+import time
 import xmlrpc.client
+from types import SimpleNamespace
 from typing import Any, Dict, Iterator, List
 
 import both
@@ -18,7 +20,10 @@ from std_msgs.msg import Float32, Header, String
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.graph_loop import GraphLoop
+from ros2_bridge.health.topic_health import TopicHealthMonitor
 from ros2_bridge.ros1.single_instance import marker
+from ros2_bridge.rules.skip_log import SkipLog
 
 REPORT = both.SOURCES / "ros2_bridge" / "scripts" / "report"
 NAMES = ["bridge", "topics to ROS 2", "topics to ROS 1", "not bridged"]
@@ -203,6 +208,22 @@ def test_what_is_not_bridged_is_a_warning_until_it_ends(
         assert [line for line in done.stdout.splitlines() if line.startswith("not bridged: ")]
         publisher.unregister()
         wait_until(lambda: not any(reasons()), lambda: str(diagnostics.latest()))
+
+
+def test_bridge_that_has_not_read_the_graphs_for_a_while_reports_an_error() -> None:
+    published: List[Any] = []
+    loop: Any = GraphLoop.__new__(GraphLoop)
+    loop._node, loop._trouble = SimpleNamespace(name="/ros2_bridge"), ""
+    loop._monitor, loop._skip_log = TopicHealthMonitor(), SkipLog()
+    loop._topics = SimpleNamespace(counts=lambda: {})
+    loop._services = loop._actions = SimpleNamespace(pairs={})
+    loop._diagnostics = SimpleNamespace(has_subscribers=lambda: True, publish=published.append)
+    for seconds, is_well in ((0.0, True), (9.0, True), (12.0, False)):
+        loop._polled_at = time.monotonic() - seconds
+        loop.update_health()
+        assert (published[-1][0].level == 0) is is_well
+        assert loop.report()[0] is is_well
+    assert loop.report()[1].startswith("/ros2_bridge: ERROR no poll of both graphs in the last 12")
 
 
 def test_without_a_bridge_the_command_says_so(ros: both.Both) -> None:

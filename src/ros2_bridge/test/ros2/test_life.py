@@ -17,6 +17,7 @@ import both
 import pytest
 import rospy
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
@@ -297,6 +298,10 @@ def test_no_message_is_lost_and_all_are_counted(ros: both.Both) -> None:
 WAYS = (("to_ros1", "/quick2"), ("to_ros2", "/quick1"))
 
 
+#: Name of the bridge's own status on /diagnostics.
+HEALTH = "ros2_bridge: bridge"
+
+
 def test_master_dies_and_returns(ros: both.Both) -> None:
     node = Node("plant")
     node.declare_parameter("gain", 2.5)
@@ -305,11 +310,24 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
     with both.Running("basic_comms", "talker.py") as talker, both.Bridge() as bridge:
         recorder = ros.hear2("/chatter", String)
         recorder.wait()
+        diagnostics = ros.hear2("/diagnostics", DiagnosticArray)
+
+        def is_told_of_master() -> bool:
+            statuses = [s for a in diagnostics.heard[-1:] for s in a.status if s.name == HEALTH]
+            return any(
+                s.level == DiagnosticStatus.ERROR
+                and s.message.startswith("nothing new is bridged:")
+                for s in statuses
+            )
+
         wait_until(lambda: rospy.get_param("/plant/gain", None) == 2.5, lambda: "no gain")
         ros.master.kill()
         heard = len(recorder.heard)
         recorder.wait(heard + 3)  # what is connected goes on without it
+        wait_until(is_told_of_master, lambda: f"no error in {diagnostics.heard[-1:]}")
         ros.master.start()
+        wait_until(lambda: not is_told_of_master(), lambda: "still an error")
+        diagnostics.end()
         wait_until(
             lambda: [n for _, n in rospy.get_master().getSystemState()[2][0] if "/talker" in n],
             lambda: "the talker does not come back",

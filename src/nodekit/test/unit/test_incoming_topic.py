@@ -1,6 +1,8 @@
 """Tests of the subscribed topic, with sockets in place of publishers and without a master."""
 
 import contextlib
+import gc
+import os
 import socket
 import struct
 import threading
@@ -509,6 +511,27 @@ def test_connection_begun_between_two_publishers_is_dropped(together, monkeypatc
     assert not recorder.impl.add_connection(connection)
     publisher.close()
     assert recorder.impl.add_connection(connection)
+
+
+@pytest.mark.parametrize("opened", ["subscription", "publisher"])
+def test_closed_topic_leaves_no_descriptor_open(opened):
+    def open_and_close():
+        if opened == "publisher":
+            ended = Publisher(TOPIC, String)
+        else:
+            ended = Subscription(TOPIC, String, lambda messages, _: None)
+        ended.open()
+        ended.close()
+
+    open_and_close()
+    before = os.listdir("/proc/self/fd")
+    gc.disable()
+    try:
+        for _ in range(3):
+            open_and_close()
+        assert len(os.listdir("/proc/self/fd")) == len(before)
+    finally:
+        gc.enable()
 
 
 def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(connected, stack):

@@ -5,6 +5,7 @@ reading thread. The messages of one read are unpacked and passed on together, wi
 rospy's chain of buffers. Publishers in the same process call the subscriber in their own thread.
 """
 
+import contextlib
 import functools
 import inspect
 import math
@@ -312,6 +313,11 @@ class IncomingTopic(_Topic):
         if time.monotonic() - notified < SUCCESSOR_S and not self.closed:
             registration_listener.connect(self.resolved_name, c.endpoint_id)
 
+    def close(self) -> None:
+        """Close the topic's connections."""
+        super().close()
+        close_poller(self)
+
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.
 
@@ -338,6 +344,17 @@ class IncomingTopic(_Topic):
         """
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
         return uri == rospy.get_node_uri() and self.receives_from(publisher)
+
+
+def close_poller(topic: Any) -> None:
+    """Close the descriptor by which rospy checks a topic's connections, after the topic.
+
+    rospy's object for it refers to itself: it would stay open until garbage collection.
+
+    :param topic: rospy's object for the topic
+    """
+    with contextlib.suppress(AttributeError):  # without epoll there is none
+        topic.connection_poll.poller.close()
 
 
 def _remove_if_rejected(topic: Any, connection: Any) -> None:

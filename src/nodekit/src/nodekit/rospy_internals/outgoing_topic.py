@@ -22,7 +22,11 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 from rospy.impl.transport import OUTBOUND
 
-from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
+from nodekit.rospy_internals.incoming_topic import (
+    IncomingTopic,
+    close_poller,
+    subscriber_mismatch,
+)
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.large_arrays import SplitMessage, split, without_views
 from nodekit.rospy_internals.registry import check_topic_type
@@ -276,6 +280,7 @@ class OutgoingTopic(_Topic):
     def close(self) -> None:
         """Close the topic's connections, and give back its memory."""
         super().close()
+        close_poller(self)
         with self._lock:
             self._memory.close()
 

@@ -353,7 +353,7 @@ def close_poller(topic: Any) -> None:
 
     :param topic: rospy's object for the topic
     """
-    with contextlib.suppress(AttributeError):  # without epoll there is none
+    with contextlib.suppress(AttributeError):  # without epoll, no descriptor
         topic.connection_poll.poller.close()
 
 

@@ -331,7 +331,7 @@ def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
 
     A package whose package.xml cannot be read is omitted, with a message.
     """
-    found = {}
+    found: Dict[str, pathlib.Path] = {}
     for place, folders, files in os.walk(str(folder), followlinks=True):
         if "CATKIN_IGNORE" in files:
             folders.clear()

@@ -72,7 +72,6 @@ NOT_TYPED = {
                 "./ci/exec rosrun ros2_bridge",
             )
         },
-        "git clone": "fetches from outside of PyPI and Debian",
         "ROS_MASTER_URI": "takes two machines, and an environment with ROS 2",
     },
     "docs/security.md": {

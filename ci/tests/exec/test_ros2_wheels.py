@@ -33,7 +33,8 @@ def wheels(workspace: Workspace) -> pathlib.Path:
     chosen = workspace.root / "src" / "ros2_bridge" / "config" / "wheels.txt"
     chosen.parent.mkdir(parents=True)
     chosen.write_text("a==1.0\n")
-    chosen.with_name("build_tools.txt").write_text("a==1.0\n")
+    for other in ("build_tools.txt", "command_line.txt"):
+        chosen.with_name(other).write_text("a==1.0\n")
     rosbags = workspace.root / "src" / "topic_scope" / "config" / "rosbags.txt"
     rosbags.parent.mkdir(parents=True)
     rosbags.write_text("a==1.0\n")
@@ -59,7 +60,8 @@ def test_oldest_python_chooses_for_all(workspace: Workspace, wheels: pathlib.Pat
     assert (workspace.root / "log").read_text().splitlines() == [
         "3.9: ",
         "3.11: a==1.1",
-        "3.11: ",  # the separate lists of recordings and of build tools
+        "3.11: ",  # the lists of recordings, of build tools and of the command ros2
+        "3.11: ",
         "3.11: ",
     ]
     assert status == 0 and "< a==1.0\n" in printed and "> a==1.1\n" in printed

@@ -11,7 +11,7 @@ import signal
 import rospkg
 
 from nodekit.package_version import ShowVersion
-from ros2_bridge.environment import python_environment
+from ros2_bridge.environment import command_line, python_environment
 from ros2_bridge.environment.start import home
 
 
@@ -40,6 +40,11 @@ def main() -> int:
         help="make twins for the packages there, at any depth, not for those installed with the"
         " bridge; twins of earlier runs stay",
     )
+    parser.add_argument(
+        "--command-line",
+        action="store_true",
+        help="install the official command ros2 too, from its source on GitHub",
+    )
     options = parser.parse_args()
     packages = python_environment.debian_packages()
     packages.update(
@@ -51,6 +56,8 @@ def main() -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         environment.make(package / "config" / "wheels.txt", packages)
+        if options.command_line:
+            command_line.install(environment, package / "config" / "command_line.txt")
     except python_environment.Unavailable as reason:
         python_environment.say(str(reason))
         return 125

@@ -9,6 +9,7 @@ import hashlib
 import os
 import pathlib
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -51,11 +52,13 @@ class PythonEnvironment:
     """Python environment with ROS 2.
 
     :param folder: its folder; the sources of the twins are beside it
+
+    :ivar python: its interpreter
     """
 
     def __init__(self, folder: pathlib.Path) -> None:
-        self._folder = folder
-        self._python = folder / "bin" / "python"
+        self.folder = folder
+        self.python = folder / "bin" / "python"
         self._twins = folder.with_name(f"{folder.name}_twins")
         #: The previous environment, until the new one is complete.
         self._previous = folder.with_name(f"{folder.name}_previous")
@@ -71,33 +74,33 @@ class PythonEnvironment:
         :raises Unavailable: on failure
         """
         self._claim()
-        with self._locked():
+        with self.locked():
             self._make(wheels, packages)
 
     @contextlib.contextmanager
-    def _locked(self) -> Iterator[None]:
+    def locked(self) -> Iterator[None]:
         """Exclude other commands that change this environment; wait for them."""
         with open(self._twins / "lock", "w", encoding="utf-8") as file:
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                say(f"another command is changing {self._folder}: waiting for it")
+                say(f"another command is changing {self.folder}: waiting for it")
                 fcntl.flock(file, fcntl.LOCK_EX)
             yield
 
     def _make(self, wheels: pathlib.Path, packages: Mapping[str, pathlib.Path]) -> None:
         self._restore()
-        stamp = self._folder / "wheels"
-        wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
+        stamp = self.folder / "wheels"
+        wanted = f"{self.folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
         if stamp.exists() and stamp.read_text("utf-8") == wanted and self._names.exists():
             self.build_twins(packages)
             return
         check_platform()
-        say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
-        if self._folder.exists():
-            self._folder.rename(self._previous)
+        say(f"fetching ROS 2 from PyPI, once, into {self.folder}")
+        if self.folder.exists():
+            self.folder.rename(self._previous)
         try:
-            self._mark(self._folder)
+            self._mark(self.folder)
             self._install(wheels)
             stamp.write_text(wanted, "utf-8")
             for built in self._twins.glob("*/stamp"):
@@ -114,9 +117,9 @@ class PythonEnvironment:
         :raises Unavailable: if a folder is not empty and was not created by this command
         """
         earlier = (
-            self._folder / "share" / "ros2_bridge"
+            self.folder / "share" / "ros2_bridge"
         ).is_dir()  # by an older release, without marks
-        for place in (self._folder, self._twins, self._previous):
+        for place in (self.folder, self._twins, self._previous):
             empty = not place.exists() or (place.is_dir() and not any(place.iterdir()))
             if not (empty or earlier or (place / MARK).exists()):
                 raise Unavailable(
@@ -125,7 +128,7 @@ class PythonEnvironment:
                 )
         self._mark(self._twins)
         if earlier:
-            self._mark(self._folder)
+            self._mark(self.folder)
 
     def _mark(self, place: pathlib.Path) -> None:
         place.mkdir(parents=True, exist_ok=True)
@@ -134,9 +137,9 @@ class PythonEnvironment:
     def _restore(self) -> None:
         """Restore the previous environment unless the new one is complete."""
         if not self._names.exists():
-            shutil.rmtree(str(self._folder), ignore_errors=True)
+            shutil.rmtree(str(self.folder), ignore_errors=True)
             if self._previous.exists():
-                self._previous.rename(self._folder)
+                self._previous.rename(self.folder)
         shutil.rmtree(str(self._previous), ignore_errors=True)
 
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
@@ -152,8 +155,8 @@ class PythonEnvironment:
             for name, value in os.environ.items()
             if not name.startswith(("ROS", "CMAKE", "CATKIN")) and name != "PYTHONPATH"
         }
-        variables["PATH"] = f"{self._folder / 'bin'}:{variables['PATH']}"
-        variables["AMENT_PREFIX_PATH"] = variables["CMAKE_PREFIX_PATH"] = str(self._folder)
+        variables["PATH"] = f"{self.folder / 'bin'}:{variables['PATH']}"
+        variables["AMENT_PREFIX_PATH"] = variables["CMAKE_PREFIX_PATH"] = str(self.folder)
         try:
             with log.open("wb") as output:
                 subprocess.run(
@@ -172,11 +175,11 @@ class PythonEnvironment:
             raise Unavailable(f"{what}: {why} (see {log})") from None
 
     def _install(self, wheels: pathlib.Path) -> None:
-        venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
+        venv = ["/usr/bin/python3", "-m", "venv", str(self.folder)]
         self.run(venv, VENV_LIMIT_S, "cannot make a virtual environment")
         # --no-deps: our list is complete, while the dependency lists of the wheels are not.
         # --no-compile: only a tenth of the modules are ever imported.
-        pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
+        pip = [str(self.python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
         pip += ["--retries", "1", "--disable-pip-version-check", "--only-binary", ":all:"]
         # empy has only a source archive: it is built with a setuptools of known hash, too.
         builds_empy = ["--no-binary", "empy", "--no-build-isolation"]
@@ -191,7 +194,7 @@ class PythonEnvironment:
         return self._index(package).exists() and not (self._twins / package).exists()
 
     def _index(self, package: str) -> pathlib.Path:
-        share = self._folder / "share" / "ament_index" / "resource_index"
+        share = self.folder / "share" / "ament_index" / "resource_index"
         return share / "rosidl_interfaces" / package
 
     def _is_in_wheel(self, message: str) -> bool:
@@ -254,7 +257,7 @@ class PythonEnvironment:
             return
         began = time.monotonic()
         given = [f"{name}:{','.join(sorted(twins[name].needs))}" for name in stale]
-        command = [str(self._python), str(BUILDER), str(self._twins), *given]
+        command = [str(self.python), str(BUILDER), str(self._twins), *given]
         self.run(command, BUILD_LIMIT_S, "the ROS 2 twins do not build")
         built = [name for name in stale if not (self._twins / name / "error").exists()]
         for name in built:
@@ -279,7 +282,8 @@ def first_error(log: str) -> str:
     if "connection broken by" in log:  # from pip, before "no such package"
         return "no connection"
     lines = log.splitlines() or ["it wrote nothing"]
-    errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
+    errors = [line for line in lines if re.search("error|^fatal:", line, re.IGNORECASE)]
+    errors = errors or lines[-1:]
     return errors[0].strip()
 
 

@@ -9,10 +9,11 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 import numpy as np
 
+from . import images, record
 from .action_client import ActionClient, start
 from .context import Bench, Figures
 from .cost import cpu_share, usage
-from .peer_programs import DOMAIN, executable, peer, rclpy_environment
+from .peer_programs import DOMAIN, executable, peer, rclpy_environment, rclpy_peer
 from .peer_programs import RCLPY as PYTHON_OF_ROS2
 from .processes import Session
 from .recorder import wait_until
@@ -30,6 +31,8 @@ ENDS: Dict[str, Tuple[str, str]] = {
 LIMIT = 40.0
 #: Duration of a goal, with feedback 20 times a second, and longest wait for its end [s].
 GOAL_S, ENDED_WITHIN = 0.2, 20.0
+#: Data of a large message [bytes].
+IMAGE_BYTES = images.MESSAGES["6.2 MB"][1]
 #: Goals before the measurement, while connections settle.
 FIRST_GOALS = 3
 
@@ -47,6 +50,43 @@ def measure_load(bench: Bench, subject: str) -> Figures:
     figures = {f"fast_{name}": value for name, value in fast.items()}
     figures.update((f"many_{name}", value) for name, value in many.items())
     return figures
+
+
+def measure_images(bench: Bench, subject: str) -> Figures:
+    """Measure messages of 6.2 MB at 30 Hz."""
+    number = next(_numbers)
+    sent, received = (bench.session.directory / f"{end}-{number}" for end in ("sent", "received"))
+    sender, receiver = ENDS[subject]
+    with contextlib.ExitStack() as stack:
+        pids: List[int] = []
+        if subject in (TO_ROS2, TO_ROS1):
+            pids.append(stack.enter_context(run_bridge(bench.session)))
+        for role, ros, file in (("subscribe", receiver, received), ("publish", sender, sent)):
+            environment = bench.session.environment if ros == "1" else rclpy_environment()
+            environment = dict(environment, ROS_NAMESPACE=f"/images{number}")
+            arguments = [str(IMAGE_BYTES), "1", str(file)]
+            command = rclpy_peer("images.py", role, *arguments)
+            if ros == "1":
+                command = peer("images.py", role, "rospy", "bytes", *arguments)
+            stack.enter_context(bench.session.up(command, environment=environment))
+        wait_until(lambda: record.read(received), LIMIT, "the first message")
+        time.sleep(images.SETTLE_S)
+        since, seconds = time.monotonic(), bench.seconds(6.0, 3.0)
+        if pids:
+            cpu = cpu_share(pids, seconds)
+        else:
+            time.sleep(seconds)
+            cpu = 0.0
+        until = time.monotonic()
+        time.sleep(images.DRAIN_S)
+    samples = record.read(sent)
+    figures = images.figures(samples, [record.read(received)], since, until, cpu)
+    due = sum(since <= one.moment <= until for one in samples)
+    return {
+        "p50_ms": figures["p50_ms"],
+        "lost_percent": 100.0 * figures["lost"] / due,
+        **({"cpu_percent": cpu} if pids else {}),
+    }
 
 
 def measure_actions(bench: Bench, subject: str) -> Figures:

@@ -76,6 +76,7 @@ MEASUREMENTS = [
     _restarted("lifecycle", [stacks.RCLPY], rclpy_comparison.compare_lifecycle),
     _restarted("bridge-load", [bridge.TO_ROS2, bridge.TO_ROS1], bridge.measure_load, 2),
     _restarted("bridge-actions", BRIDGED, bridge.measure_actions, 3),
+    _restarted("bridge-images", BRIDGED, bridge.measure_images, 2),
     _restarted("serial", [boards.OURS, boards.ROSSERIAL, boards.BARE], boards.measure, 2),
     _restarted("images", list(images.CASES), images.measure, 3),
 ]

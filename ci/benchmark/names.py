@@ -18,6 +18,7 @@ EXTRA = {
     "lifecycle": "behaviour of managed nodes, as in rclpy",
     "bridge-load": "4000 messages a second, and a hundred topics at 50 Hz",
     "bridge-actions": "goals of actions from one ROS to the other",
+    "bridge-images": "messages of 6.2 MB at 30 Hz from one ROS to the other",
     "serial": "a board's messages through serial_link and rosserial_python",
     "images": "large messages at 30 Hz, through shared memory and by the peers",
 }

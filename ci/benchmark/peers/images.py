@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """A camera, its subscriber, or both, by nodekit or rospy, recording each message's number.
 
-Usage: images.py publish|subscribe|both nodekit|views|rospy image|points BYTES SUBSCRIBERS RECORD…
+Usage: images.py publish|subscribe|both nodekit|views|rospy KIND BYTES SUBSCRIBERS RECORD…
+KIND is image, points, or bytes: an array without size and encoding, as of the peer by rclpy.
 """
 
 import functools
@@ -13,6 +14,7 @@ from typing import Any, Callable
 
 import rospy
 from sensor_msgs.msg import Image, PointCloud2, PointField
+from std_msgs.msg import UInt8MultiArray
 
 from ci.benchmark.record import Record
 from nodekit import Node, run
@@ -21,16 +23,27 @@ ROLE, STACK, KIND, BYTES, SUBSCRIBERS, *FILES = sys.argv[1:]
 RATE = 30.0  # Hz
 #: Size of a point, as of most laser scanners [bytes].
 POINT = 16
-CLASS: Any = Image if KIND == "image" else PointCloud2
+CLASS: Any = {"image": Image, "points": PointCloud2, "bytes": UInt8MultiArray}[KIND]
 
 
-def new_message(data: bytes) -> Any:
-    """Return a message with its data."""
+def new_message(data: bytes, number: int) -> Any:
+    """Return a message with its data and number."""
+    if CLASS is UInt8MultiArray:
+        message = UInt8MultiArray(data=data)
+        message.layout.data_offset = number
+        return message
     if CLASS is Image:
-        return Image(height=1, step=len(data), encoding="rgb8", data=data)
+        return Image(height=1, width=number, step=len(data), encoding="rgb8", data=data)
     names = ("x", "y", "z", "intensity")
     fields = [PointField(name, 4 * n, PointField.FLOAT32, 1) for n, name in enumerate(names)]
-    return PointCloud2(height=1, fields=fields, point_step=POINT, row_step=len(data), data=data)
+    return PointCloud2(
+        height=1, width=number, fields=fields, point_step=POINT, row_step=len(data), data=data
+    )
+
+
+def number_of(message: Any) -> int:
+    """Return the number of a message."""
+    return int(message.layout.data_offset if CLASS is UInt8MultiArray else message.width)
 
 
 def publish_all(publish: Callable[[Any], None], connected: Callable[[], int]) -> None:
@@ -40,8 +53,7 @@ def publish_all(publish: Callable[[Any], None], connected: Callable[[], int]) ->
         time.sleep(0.05)
     due = time.monotonic()
     while not rospy.is_shutdown():
-        message = new_message(data)
-        message.width = number
+        message = new_message(data, number)
         record.add(number)
         publish(message)
         number += 1
@@ -68,7 +80,7 @@ class Viewer:
 
     @staticmethod
     def _receive(record: Record, message: Any) -> None:
-        record.add(message.width)
+        record.add(number_of(message))
 
 
 class Both:
@@ -90,7 +102,7 @@ def main() -> None:
         publish_all(publisher.publish, publisher.get_num_connections)
     else:
         record = Record(FILES[0])
-        rospy.Subscriber("images", CLASS, lambda message: record.add(message.width))
+        rospy.Subscriber("images", CLASS, lambda message: record.add(number_of(message)))
         rospy.spin()
 
 

@@ -21,6 +21,7 @@ from serial_link.hardware.tcp_slots import parse_slots
 from serial_link.host.counters import Counters
 from serial_link.host.sync_monitor import OVERDUE_S
 from serial_link.host.sync_states import ASKED, OPENED, TOPIC
+from serial_link.link import board_link
 from serial_link.link.events import LogLine, Message, Restarted, Synced, Topics
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
@@ -358,3 +359,20 @@ def test_address_of_a_connection_is_kept_from_its_first_frame_on() -> None:
         wait_until(lambda: slots[0].peer == "127.0.0.1", lambda: "it is not kept")
     for link in links:
         link.close()
+
+
+def test_port_is_closed_after_the_frame_that_another_thread_writes(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    rig.start()
+    rig.fetch_until(Synced)
+    order: List[str] = []
+    release = rig.link._port.release
+    monkeypatch.setattr(rig.link._port, "release", lambda: (order.append("released"), release()))
+    monkeypatch.setattr(board_link, "_LONGEST_WAIT_S", 0.01)
+    with rig.link._writer._port_lock:
+        closing = in_thread(rig.link.close)
+        closing.join(0.3)  # longer than it waits for its own threads
+        order.append("written")
+    closing.join(30.0)
+    assert order == ["written", "released"]

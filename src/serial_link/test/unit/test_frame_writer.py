@@ -26,12 +26,14 @@ class FakePort:
         self.room = 10**6
         self.failure: Any = None
 
-    def write_now(self, data: bytes) -> int:
+    def write_now(self, data: bytes) -> bool:
         if isinstance(self.failure, PortLost):
             raise self.failure
         if self.room:
             self.written.append(data[: self.room])
-        return min(self.room, len(data))
+        if 0 < self.room < len(data):
+            self.write(data[self.room :])
+        return self.room > 0
 
     def write(self, data: bytes) -> None:
         if self.failure is not None:
@@ -108,9 +110,8 @@ def test_frames_wait_while_the_line_is_busy_and_the_newest_replaces_them() -> No
     rig.close()
 
 
-def test_frame_that_the_port_takes_in_part_is_completed(rig: Rig) -> None:
-    rig.port.room = 2
-    assert rig.writer.write_now(b"three") and rig.port.written == [b"th", b"ree"]
+def test_frame_that_the_port_does_not_take_is_left_to_the_writer_thread(rig: Rig) -> None:
+    assert rig.writer.write_now(b"three")
     rig.port.room = 0
     assert not rig.writer.write_now(b"one")
     assert rig.writer.traffic == {SENT: 1, SENT_BYTES: 5}
@@ -137,3 +138,34 @@ def test_frame_does_not_overtake_one_that_no_thread_has_taken_yet() -> None:
     writer.open()
     writer.queue.put(1, b"first")
     assert not writer.write_now(b"second")
+
+
+class SlowPort(FakePort):
+    """Port whose writes end when they may."""
+
+    def __init__(self, baud: int) -> None:
+        super().__init__(baud)
+        self.has_begun, self.may_end = threading.Event(), threading.Event()
+
+    def write_now(self, data: bytes) -> bool:
+        self.has_begun.set()
+        assert self.may_end.wait(30.0)
+        return super().write_now(data)
+
+
+def test_frame_behind_one_that_another_thread_writes_keeps_the_pace() -> None:
+    port: Any = SlowPort(baud=300)
+    writer = FrameWriter(port, Counters(), ThrottledLog(0.0))
+    writer.open()
+    following = in_thread(writer.write_next)
+    wait_until(lambda: writer.queue.is_idle, lambda: "the writer does not wait")
+    sending = in_thread(lambda: writer.write_now(bytes(1000)))  # 33 s on the line
+    assert port.has_begun.wait(30.0)
+    asked, delay = threading.Event(), writer._pacer.delay
+    writer._pacer.delay = lambda now: asked.set() or delay(now)  # type: ignore[method-assign]
+    writer.queue.put(1, b"next")
+    asked.wait(0.2)  # it must not ask yet
+    port.may_end.set()
+    sending.join(30.0)
+    following.join(30.0)
+    assert port.written == [bytes(1000)]

@@ -47,11 +47,12 @@ class Port(Protocol):
         """Note that a board is connected: an undamaged frame was received."""
         ...
 
-    def write_now(self, data: bytes) -> int:
-        """Send as many bytes as the system accepts without waiting.
+    def write_now(self, data: bytes) -> bool:
+        """Send bytes, unless the system accepts none without waiting.
 
-        :returns: their number
+        :returns: whether they are sent
         :raises PortLost: if the port was lost
+        :raises PortStuck: if it accepts only a part of them
         """
         ...
 

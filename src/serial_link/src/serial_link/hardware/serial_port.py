@@ -94,16 +94,19 @@ class SerialPort:
     def on_frame(self) -> None:
         """Do nothing: a serial port has only one board; see :class:`.Port`."""
 
-    def write_now(self, data: bytes) -> int:
-        """Send bytes without waiting; see :class:`.Port`."""
+    def write_now(self, data: bytes) -> bool:
+        """Send bytes, unless none are accepted; see :class:`.Port`."""
         if self._fd < 0:
             raise PortLost(f"{self.name} is closed")
         try:
-            return os.write(self._fd, data)
+            count = os.write(self._fd, data)
         except BlockingIOError:
-            return 0
+            return False
         except OSError as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
+        if count < len(data):
+            self.write(data[count:])
+        return True
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""

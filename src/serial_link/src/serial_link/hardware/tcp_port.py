@@ -197,16 +197,19 @@ class TcpPort:
         """Reserve the slot for the board's address; see :class:`.Port`."""
         self._slot.peer, self._slot.heard_at = self._address, time.monotonic()
 
-    def write_now(self, data: bytes) -> int:
-        """Send bytes without waiting; see :class:`.Port`."""
+    def write_now(self, data: bytes) -> bool:
+        """Send bytes, unless none are accepted; see :class:`.Port` and :meth:`write`."""
         board = self._connected()
         try:
             # Not through the socket, whose send() waits for its timeout.
-            return os.write(board.fileno(), data)
+            count = os.write(board.fileno(), data)
         except BlockingIOError:
-            return 0
+            return False
         except (OSError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
+        if count < len(data):
+            self._send_all(board, data[count:])
+        return True
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`.
@@ -215,11 +218,17 @@ class TcpPort:
         """
         board = self._connected()
         try:
-            if not select.select([], [board], [], _WRITE_S)[1]:
-                raise PortStuck(f"{self.name} has accepted no bytes for {_WRITE_S:g} s")
+            is_free = select.select([], [board], [], _WRITE_S)[1]
+        except (OSError, ValueError) as error:
+            raise PortLost(f"{self.name} is gone: {error}") from None
+        if not is_free:
+            raise PortStuck(f"{self.name} has accepted no bytes for {_WRITE_S:g} s")
+        self._send_all(board, data)
+
+    def _send_all(self, board: socket.socket, data: bytes) -> None:
+        """Send bytes, or close the connection."""
+        try:
             board.sendall(data)
-        except PortStuck:
-            raise
         except socket.timeout:
             with contextlib.suppress(OSError):  # already gone
                 board.shutdown(socket.SHUT_RDWR)  # wakes the reading thread

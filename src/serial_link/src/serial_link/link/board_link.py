@@ -106,6 +106,7 @@ class BoardLink:
         for thread in self._threads:
             if thread.ident is not None:
                 thread.join(2.0 * _LONGEST_WAIT_S)
+        self._writer.close_port()  # after the frame that another thread is writing
         self._port.release()
 
     @property

@@ -81,7 +81,7 @@ class FrameWriter:
         :param frame: the frame
         :returns: whether it is sent; otherwise it has to wait in the queue
         """
-        if len(frame) > _LONGEST_NOW or not self.queue.is_idle:
+        if len(frame) > _LONGEST_NOW:
             return False
         try:
             return self._write_if_free(frame)
@@ -95,14 +95,12 @@ class FrameWriter:
         if not self._port_lock.acquire(blocking=False):
             return False
         try:
-            if not self._is_open or self._pacer.delay(time.monotonic()) > 0.0:
+            if not self._is_open or not self.queue.is_idle:
                 return False
-            count = self._port.write_now(frame)
-            if 0 < count < len(frame):
-                self._port.write(frame[count:])
-            if count:
-                self._record_write(frame)
-            return count > 0
+            if self._pacer.delay(time.monotonic()) > 0.0 or not self._port.write_now(frame):
+                return False
+            self._record_write(frame)
+            return True
         finally:
             self._port_lock.release()
 
@@ -110,7 +108,8 @@ class FrameWriter:
         """Send the next frame of the queue as soon as the line is free."""
         if not self.queue.wait(_IDLE_S):
             return
-        delay = self._pacer.delay(time.monotonic())
+        with self._port_lock:  # a sending thread records its frame before it releases the lock
+            delay = self._pacer.delay(time.monotonic())
         if delay > 0.0:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))
             return

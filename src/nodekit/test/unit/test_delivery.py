@@ -289,6 +289,8 @@ def test_topics_that_close_together_wait_as_long_as_one(monkeypatch):
     for _ in range(2):  # the limit is that of one context
         began = now[0]
         with delivery.closing_together():
+            with delivery.closing_together():
+                assert delivery.finish([slow]) == [slow]
             assert [delivery.finish([slow]) for _ in range(3)] == 3 * [[slow]]
         assert now[0] - began == pytest.approx(delivery.CLOSING_PATIENCE_S, abs=0.1)
     began = now[0]

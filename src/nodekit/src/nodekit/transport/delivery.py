@@ -85,6 +85,9 @@ _CLOSING = _Closing()
 @contextlib.contextmanager
 def closing_together() -> Iterator[None]:
     """Limit the waits for all topics that this thread closes in the context to that for one."""
+    if _CLOSING.is_together:  # a resource of the closing owner closes an owner of its own
+        yield
+        return
     _CLOSING.is_together, _CLOSING.deadline = True, math.inf
     try:
         yield

@@ -171,7 +171,9 @@ def test_topic_whose_clock_was_chosen_is_still_received() -> None:
     choose(made, "/b", "/a")
     made.want([B], NOW / NS + 1000.0)  # the trace of /a is no longer recorded
     assert "/a" in made.streams.topics
-    made.want([A], NOW / NS + 2000.0)
+    made.want([A, B], NOW / NS + 1001.0)
+    assert samples(made, A)[1].tolist() == [99.0]  # the latest message, once
+    made.want([A], NOW / NS + 2002.0)
     assert made.streams.topics == ["/a"]
 
 

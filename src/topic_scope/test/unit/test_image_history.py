@@ -141,3 +141,13 @@ def test_topics_share_the_bytes(count: int) -> None:
     assert [made[name].most for name in names] == [MOST_BYTES // count] * count
     fewer = histories(names[:1], made, 5.0)
     assert fewer == {names[0]: made[names[0]]} and fewer[names[0]].most == MOST_BYTES
+
+
+def test_topic_that_shares_with_another_one_drops_messages_immediately() -> None:
+    (name, images), *_ = histories(["/a"], {}, 5.0).items()
+    images.read_as(LAYOUT)
+    half = bytes(MOST_BYTES // 2)
+    add(images, [(1, 1, half), (2, 2, half)])
+    assert images.first_kept == 1
+    histories([name, "/b"], {name: images}, 5.0)
+    assert images.first_kept == 2

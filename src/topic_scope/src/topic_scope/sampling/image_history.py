@@ -37,12 +37,10 @@ class ImageHistory:
     always the newest. Messages in the pinned span are dropped last.
 
     :param history: how long times are kept [s]
-
-    :ivar most: most bytes of messages
     """
 
     def __init__(self, history: float) -> None:
-        self.most = 0
+        self._most = 0
         self._history = to_ns(history)
         self._layout: Optional[MessageLayout] = None
         #: Times of all images, ascending, and their times of receipt.
@@ -83,6 +81,16 @@ class ImageHistory:
         self._pinned = start, end
 
     @property
+    def most(self) -> int:
+        """Most bytes of messages."""
+        return self._most
+
+    @most.setter
+    def most(self, most: int) -> None:
+        self._most = most
+        self._drop()
+
+    @property
     def newest(self) -> Optional[StoredImage]:
         """The image that was received last; None without any."""
         return self._kept[next(reversed(self._kept))] if self._kept else None
@@ -121,11 +129,11 @@ class ImageHistory:
 
     def _drop(self) -> None:
         """Drop messages, oldest first, until the others are within the number of bytes."""
-        if self._bytes <= self.most:
+        if self._bytes <= self._most:
             return
         for pinned in (False, True):
             for one in list(self._kept.values())[:-1]:
-                if self._bytes <= self.most:
+                if self._bytes <= self._most:
                     return
                 if self._is_pinned(one.time) == pinned:
                     self._release(one.received)

@@ -260,8 +260,12 @@ class Recorder:
 
     def _repeat_latest(self, stream: Stream) -> None:
         """Give a new stream the latest message: a latched message arrives only once."""
-        if len(stream.sinks) == 1 and stream.topic in self._latest:
+        if not stream.has_begun and stream.topic in self._latest:
             stream.add(*self._latest[stream.topic])
+
+    def is_known(self, topic: str) -> bool:
+        """Return whether a topic exists."""
+        return topic in self._types
 
     def is_overlaid(self, topic: str) -> bool:
         """Return whether a topic is of an overlaid bag."""

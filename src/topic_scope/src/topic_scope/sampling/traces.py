@@ -72,6 +72,11 @@ class Stream:
         self._waiting: Optional[Tuple[Batch, numpy.ndarray]] = None
 
     @property
+    def has_begun(self) -> bool:
+        """Whether it has had a message."""
+        return self._layout is not None
+
+    @property
     def clock(self) -> Clock:
         """Clock of the stamps."""
         return self.present_clock()

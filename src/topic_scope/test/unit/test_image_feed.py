@@ -183,13 +183,16 @@ def test_topic_is_requested_only_while_a_page_shows_it() -> None:
     assert scope.source.wanted == [TOPIC]
     scope.pages.remove(other)  # closed
     scope.feed.update()
-    assert scope.source.wanted == [] and scope.text() == f"there is no topic {TOPIC} yet"
+    assert scope.source.wanted == []
+    assert scope.text() == f"images of {TOPIC} are not received: no page shows them"
 
 
 def test_topic_that_appears_later_is_requested_then() -> None:
     scope = Scope()
     scope.choose(scope.pages[0], "/later")
     assert scope.source.wanted == []
+    description, _ = run(scope.feed.reply(ImageRequest("/later", None, "")))
+    assert description["problem"] == "there is no topic /later yet"
     scope.recorder.set_topics({**TYPES, "/later": "sensor_msgs/Image"})
     scope.feed.update()
     assert scope.source.wanted == ["/later"]

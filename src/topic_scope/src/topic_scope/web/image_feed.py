@@ -132,6 +132,8 @@ class ImageFeed:
     def _why_unknown(self, topic: str) -> str:
         if self._recorder.is_overlaid(topic):
             return "images of an overlaid bag are not shown; show the bag itself: --bag"
+        if self._recorder.is_known(topic):
+            return f"images of {topic} are not received: no page shows them"
         return f"there is no topic {topic} yet"
 
 

@@ -289,6 +289,13 @@ def test_package_with_a_broken_manifest_is_named_and_omitted(
     (tmp_path / "broken_msgs" / "package.xml").write_text("<package><name>broken_msgs</name")
     assert list(python_environment.packages_under(tmp_path)) == ["good_msgs"]
     assert "broken_msgs/package.xml: not valid XML (unclosed token" in capsys.readouterr().err
+    (tmp_path / "broken_msgs" / "package.xml").write_text("<package/>")
+    (tmp_path / "lost_msgs").mkdir()
+    (tmp_path / "lost_msgs" / "package.xml").symlink_to("nowhere")
+    assert list(python_environment.packages_under(tmp_path)) == ["good_msgs"]
+    lines = capsys.readouterr().err
+    assert "broken_msgs/package.xml: no name: the package is left out" in lines
+    assert "lost_msgs/package.xml: [Errno 2] No such file or directory" in lines
 
 
 def test_comment_in_an_old_encoding_is_read(tmp_path: pathlib.Path) -> None:

@@ -346,8 +346,12 @@ def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
                 name = ElementTree.parse(str(manifest)).findtext("name", "").strip()
             except ElementTree.ParseError as error:
                 say(f"{manifest}: not valid XML ({error}): the package is left out")
+            except (OSError, ValueError) as error:  # such as a broken link, or an odd encoding
+                say(f"{manifest}: {error}: the package is left out")
             else:
-                if found.setdefault(name, manifest.parent) != manifest.parent:
+                if not name:
+                    say(f"{manifest}: no name: the package is left out")
+                elif found.setdefault(name, manifest.parent) != manifest.parent:
                     say(f"{manifest}: {found[name]} has the same name: this package is left out")
     return found
 

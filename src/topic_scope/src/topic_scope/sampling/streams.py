@@ -55,8 +55,9 @@ class Streams:
         """Return a topic of each estimated clock other than the scope's, the first by its name."""
         found: Dict[Clock, str] = {}
         for (topic, timestamp), stream in sorted(self._streams.items()):
-            if not timestamp and stream.path and not (stream.leader or stream.clock.is_scope):
-                found.setdefault(stream.clock, topic)
+            clock = stream.present_clock()
+            if not timestamp and stream.path and not (stream.leader or clock.is_scope):
+                found.setdefault(clock, topic)
         return list(found.values())
 
     def choose_clock(self, topic: str, leader: str) -> None:

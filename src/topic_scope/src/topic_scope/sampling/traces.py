@@ -77,14 +77,9 @@ class Stream:
         return self._layout is not None
 
     @property
-    def clock(self) -> Clock:
-        """Clock of the stamps."""
-        return self.present_clock()
-
-    @property
     def offset(self) -> int:
         """Offset from the times in the rings to the scope's clock [ns]."""
-        return self.clock.offset
+        return self.present_clock().offset
 
     def follow(self, leader: Optional["Stream"]) -> None:
         """Use the clock of another topic; None to estimate it."""

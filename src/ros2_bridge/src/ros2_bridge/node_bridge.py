@@ -226,7 +226,9 @@ class NodeBridge:
                     self._to_ros1[name] = ParametersToRos1(
                         self._participant, self._client, name, self._other(name), self._skip_log
                     )
-            elif is_restarted:
+                continue
+            self._to_ros1[name].report_unfit()
+            if is_restarted:
                 self._to_ros1[name].write_all()
             else:
                 self._to_ros1[name].retry_write_all()

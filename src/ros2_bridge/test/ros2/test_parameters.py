@@ -36,6 +36,7 @@ from ros2_bridge.parameters.messages import to_message
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
 from ros2_bridge.parameters.ros1_mirror import ParametersToRos1
 from ros2_bridge.parameters.parameter_services import ParametersToRos2
+from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.parameters.values import BYTES, DOUBLE, DOUBLES, INTEGER, STRING, STRINGS, changes
 
 GENERATOR = "/tuned_generator"
@@ -365,6 +366,31 @@ def test_failed_write_is_retried_once_at_a_time() -> None:
     mirror._is_written = True
     mirror.retry_write_all()
     assert mirror._work.empty()
+
+
+def test_value_that_ros1_cannot_carry_is_reported_at_each_poll() -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._name, mirror._values, mirror._kinds, mirror._unfit = "/far", {}, {}, {}
+    mirror._master, mirror._skip_log = SimpleNamespace(request=list), SkipLog()
+    mirror._write_server, mirror._work = (lambda values: None), queue.SimpleQueue()
+
+    def reasons_after(plain: Any) -> List[str]:
+        changed = [value("gain", plain)] if plain else []
+        gone = [] if plain else [value("gain", 1)]
+        mirror.write_event(
+            SimpleNamespace(new_parameters=[], changed_parameters=changed, deleted_parameters=gone)
+        )
+        mirror._work.get()()
+        for _ in range(3):
+            mirror._skip_log.end_poll()
+            mirror.report_unfit()
+        return mirror._skip_log.current()
+
+    too_large = ["/far: gain: refused 1099511627776: ROS 1 carries integers of 32 bits only"]
+    assert [reasons_after(plain) for plain in (5, 2**40, 5, 2**40, None)] == [
+        *([], too_large, []),
+        *(too_large, []),
+    ]
 
 
 def test_latest_server_value_is_sent() -> None:

@@ -61,6 +61,8 @@ class ParametersToRos1:
         #: Values shared by node and server, by ROS 2 name, and their types.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
+        #: Why ROS 1 cannot carry a value of the node, by ROS 2 name.
+        self._unfit: Dict[str, str] = {}
         self._is_written = False
         #: Names on the server that the node does not have and the user has been warned of.
         self._warned: Set[str] = set()
@@ -85,6 +87,11 @@ class ParametersToRos1:
         """Write all of the node's parameters again, if that failed before."""
         if not self._is_written and self._work.empty():
             self.write_all()
+
+    def report_unfit(self) -> None:
+        """Report the values that ROS 1 cannot carry, at each poll of both graphs."""
+        for why in list(self._unfit.values()):
+            self._skip_log.report(f"{self._name}: {why}")
 
     def write_event(self, event: Any) -> None:
         """Write the node's changes to the server."""
@@ -133,12 +140,15 @@ class ParametersToRos1:
         for name, message in changed:
             value = messages.to_plain(message)
             why = "" if value is None else unfit(name, value)
+            self._unfit.pop(name, None)
             if why:
-                self._skip_log.report(f"{self._name}: {why}")
+                self._unfit[name] = why
             elif value is not None:
                 self._values[name], self._kinds[name] = value, message.type
                 written[self._key(name)] = value
         self._write_server(written)
+        for name in gone:
+            self._unfit.pop(name, None)
         gone = [name for name in gone if self._values.pop(name, None) is not None]
         self._master.request([("deleteParam", self._key(name)) for name in gone])
 
@@ -154,7 +164,8 @@ class ParametersToRos1:
         A change from there is not written back: the server may already hold a newer value that is
         still to be sent.
         """
-        return not is_same(self._values.get(name), messages.to_plain(message))
+        known = None if name in self._unfit else self._values.get(name)
+        return not is_same(known, messages.to_plain(message))
 
     def _key(self, name: str) -> str:
         return f"{self._name}/{ros1_key(name)}"

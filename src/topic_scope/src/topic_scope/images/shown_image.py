@@ -8,10 +8,13 @@ from topic_scope.images.png import to_png
 from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.message_reader import MessageReader, TruncatedMessage
 
-#: Types of images, and their fields.
+#: Types of images, and their fields; a publisher may have another definition.
 _FIELDS = {
-    "sensor_msgs/Image": {"height", "width", "encoding", "is_bigendian", "step", "data"},
-    "sensor_msgs/CompressedImage": {"format", "data"},
+    "sensor_msgs/Image": {
+        **{"height": "uint32", "width": "uint32", "encoding": "string"},
+        **{"is_bigendian": "uint8", "step": "uint32", "data": "uint8[]"},
+    },
+    "sensor_msgs/CompressedImage": {"format": "string", "data": "uint8[]"},
 }
 #: Types that can be shown.
 TYPES = tuple(_FIELDS)
@@ -39,8 +42,8 @@ def shown_image(layout: MessageLayout, message: bytes) -> ShownImage:
     :param message: the serialized message
     :raises ImageProblem: if it cannot be shown
     """
-    names = {name for name, _ in layout.fields}
-    if not names >= _FIELDS.get(layout.datatype, {""}):
+    types = {name: field.datatype for name, field in layout.fields}
+    if not types.items() >= _FIELDS.get(layout.datatype, {"": ""}).items():
         raise ImageProblem(f"{layout.datatype} is not an image; shown are {' and '.join(TYPES)}")
     try:
         image = MessageReader(layout).read(message)

@@ -16,7 +16,7 @@ class PortStuck(OSError):
 
 
 class Port(Protocol):
-    """Port of a board. One thread reads, another writes."""
+    """Port of a board. One thread reads, others write one at a time."""
 
     #: Display name.
     name: str

@@ -103,9 +103,12 @@ export class Images {
     const query = new URLSearchParams({ topic, known: this.known });
     if (wanted.time !== null) query.append("time", wanted.time);
     const reply = await fetch(`/image?${query}`, { signal: AbortSignal.timeout(TIMEOUT_MS) });
-    if (!reply.ok) return;
     const file = reply.status === 200 ? await reply.blob() : null;
     if (topic !== this.topic) return; // the user has chosen another one meanwhile
+    if (!reply.ok) {
+      this.clear(`the scope cannot show it: it answered with status ${reply.status}`);
+      return;
+    }
     const description = JSON.parse(reply.headers.get("Image-Description"));
     if (description.problem) {
       this.clear(description.problem);

@@ -140,6 +140,15 @@ def test_lamp_and_encoder() -> None:
     assert bench.motor.counts(101.0) == 0
 
 
+def test_speed_does_not_jump_when_the_encoder_is_set_to_zero() -> None:
+    bench = Bench()
+    bench.drive(100.0, 1.0)
+    bench.run(100.001, 0.3)
+    bench.device.receive(100.3, encode(ZERO_REQUEST, b""))
+    speeds = [output.output for output in outputs(bench.run(100.301, 0.05))]
+    assert speeds == pytest.approx([13.0] * len(speeds), abs=bench.motor.speed_of(2, 0.01))
+
+
 def test_floods_on_request() -> None:
     bench = Bench(floods=True)
     assert len(outputs(bench.run(100.001, 0.1))) >= 99

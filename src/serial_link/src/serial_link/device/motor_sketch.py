@@ -105,9 +105,10 @@ class MotorSketch:
             self.is_lit = bool(payload[0])
             device.log(INFO, f"led {'on' if self.is_lit else 'off'}")
         elif name == "zero_encoder":
-            text = f"{self._motor.counts(now)} counts before".encode()
+            counts = self._motor.counts(now)
             self._motor.zero(now)
-            self._counts = 0
+            self._counts -= counts
+            text = f"{counts} counts before".encode()
             device.publish(name, struct.pack("<BI", 1, len(text)) + text)
 
     def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:

@@ -87,10 +87,7 @@ class Decoder:
 
         :returns: the frames that were hidden behind its beginning
         """
-        frames = self._extract_frames(is_over=True)
-        self.faults[GARBAGE] += len(self._buffer)
-        self._buffer.clear()
-        return frames
+        return self._extract_frames(is_over=True)
 
     def reset(self) -> None:
         """Drop an incomplete frame, after the port was closed."""

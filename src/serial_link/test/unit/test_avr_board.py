@@ -55,15 +55,26 @@ def test_board_has_a_marked_link_until_it_is_switched_off(
     assert entries(tmp_path) == []
 
 
+def size_of(folder: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", sizes: str) -> MemoryUse:
+    """Return the memory use of a sketch, from a tool in place of avr-size."""
+    tool = folder / "avr-size"
+    tool.write_text(f"#!{sys.executable}\nimport os\nprint('text data bss')\nprint({sizes})\n")
+    tool.chmod(0o755)
+    monkeypatch.setenv("PATH", str(folder), prepend=":")
+    return AvrBuilder(folder).size(pathlib.Path("any"))
+
+
 def test_ctrl_c_does_not_reach_a_compiler(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    tool = tmp_path / "avr-size"
-    tool.write_text(f"#!{sys.executable}\nimport os\nprint('sizes')\nprint(os.getsid(0), 0, 0)\n")
-    tool.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    session = AvrBuilder(tmp_path).size(pathlib.Path("any")).flash
+    session = size_of(tmp_path, monkeypatch, "os.getsid(0), 0, 0").flash
     assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
+
+
+def test_initialized_data_takes_flash_and_ram(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    assert size_of(tmp_path, monkeypatch, "12000, 300, 1200") == MemoryUse(12300, 1500)
 
 
 def test_second_board_is_rejected_and_keeps_port_of_first(

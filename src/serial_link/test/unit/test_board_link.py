@@ -5,12 +5,13 @@ import math
 import pathlib
 import socket
 import threading
+import time
 from typing import Any, Iterator, List, Optional, Sequence
 
 import pytest
 
 from nodekit.testing.processes import free_port
-from nodekit.testing.waiting import in_thread, wait_until
+from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.rosserial_device import Device, Endpoint
@@ -242,6 +243,33 @@ def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
     rig.link._receive_bytes(1.45, b"")
     rig.link._receive_bytes(1.46, frame[9:])
     assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
+
+
+def test_malformed_announcement_makes_another_round_necessary(rig: Rig) -> None:
+    rig.link._topics.begin_round(1.0)
+    rig.link._receive_bytes(1.0, encode(PUBLISHER, b"x"))
+    assert rig.link.all_counters()["malformed"] == 1
+    assert rig.link._topics.end_round(9.0) is False
+
+
+def test_board_is_given_time_to_answer_from_the_opening_of_the_port_on(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr("serial_link.link.board_link._NO_ANSWER_S", TIMEOUT_S)
+    rig.end.plug()
+    rig.link._spoke_at = -math.inf  # the board was last heard long ago
+    rig.link._try_to_open()
+    rig.link._explain_silence(time.monotonic())
+    assert rig.link.trouble == "waiting for the board's answer"
+
+
+def test_longer_messages_than_those_of_the_board_before_are_accepted(rig: Rig) -> None:
+    rig.link._reader.accept_up_to(64)
+    rig.end.plug()
+    rig.link._try_to_open()
+    text = 100 * "x"
+    rig.link._receive_bytes(1.0, encode(LOG, encode_log(INFO, text)))
+    assert rig.link.inbox.get(0.0) == LogLine(INFO, text)
 
 
 def test_simultaneous_time_requests_get_one_answer(rig: Rig) -> None:

@@ -57,6 +57,8 @@ def test_encoder_is_set_to_zero_and_the_motor_turns_on() -> None:
     turning.zero(101.0)
     assert turning.counts(101.0) == 0
     assert turning.counts(102.0) == pytest.approx(8000 / (2.0 * math.pi), abs=2)
+    turning.zero(102.0)
+    assert turning.counts(102.0) == 0
 
 
 def test_changed_motor_and_long_pause() -> None:

@@ -171,6 +171,17 @@ def test_message_of_an_open_topic_is_published_in_the_calling_thread(rig: Rig) -
     assert not rig.context.receive_now(TOPIC, value(4))  # the board no longer publishes it
 
 
+def test_topic_stays_open_after_a_restart_until_the_board_has_announced_all(rig: Rig) -> None:
+    publish_first(rig)
+    rig.context.inbox.put_reliable(Restarted("the board was restarted"))
+    rig.context.inbox.put_reliable(Topics([], False))
+    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    assert rig.context.receive_now(TOPIC, value(2))
+    rig.context.inbox.put_reliable(Topics([], True))
+    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    assert not rig.context.receive_now(TOPIC, value(3))
+
+
 def test_message_behind_an_unfinished_one_is_not_published_before_it(rig: Rig) -> None:
     publish_first(rig)
     rig.context.is_held.clear()

@@ -42,6 +42,11 @@ def test_line_without_rate_has_no_delay_and_cleared_line_is_empty() -> None:
     line.put(1.0, b"abc")
     line.clear()
     assert line.arrived(9.0) == b"" and line.waiting == 0
+    line = SerialLine(1000)
+    line.put(1.0, bytes(100))  # takes a second
+    line.clear()
+    line.put(1.0, b"a")
+    assert line.next_due() == pytest.approx(1.01)
 
 
 def test_damage_is_of_three_kinds_and_of_the_given_share() -> None:

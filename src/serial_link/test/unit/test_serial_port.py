@@ -221,3 +221,7 @@ def test_native_usb_port_has_no_baud_rate_once_it_is_open(
     assert port.baud == 115200
     port.open(0.0)
     assert port.baud == (0 if is_native else 115200)
+    port.close()
+    monkeypatch.setattr(serial_port, "has_line", lambda name: True)
+    port.open(0.0)  # another board has the name now
+    assert port.baud == 115200

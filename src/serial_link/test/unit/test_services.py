@@ -1,4 +1,4 @@
-"""Services that a board calls."""
+"""Services of a board: called or offered by it."""
 
 from typing import Any, Callable, List
 
@@ -7,10 +7,10 @@ import pytest
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from nodekit import CallError
-from serial_link.endpoints.services import CalledService
+from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.types import MalformedMessage, encode
 from serial_link.host.counters import Counters
-from serial_link.negotiation.payloads import SERVICE_CLIENT, TopicInfo
+from serial_link.negotiation.payloads import SERVICE_CLIENT, SERVICE_SERVER, TopicInfo
 from serial_link.negotiation.topic_table import Endpoint
 
 REQUEST, RESPONSE = SetBool._request_class._md5sum, SetBool._response_class._md5sum
@@ -100,3 +100,35 @@ def test_malformed_request_requests_the_topics() -> None:
     with pytest.raises(MalformedMessage):
         service.receive(b"")
     assert around.requests == 1
+
+
+class BoardContext:
+    """Scope of a service that the board offers, and link to the board."""
+
+    trouble = ""
+
+    def __init__(self) -> None:
+        self.on_request: Callable[[], None] = lambda: None
+
+    def resolve(self, name: str) -> str:
+        return "/" + name
+
+    def create_service(self, name: str, _class: Any, call: Any, group: Any) -> None:
+        self.call = call
+
+    def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
+        self.on_request()
+        return True
+
+
+def test_call_during_which_the_board_is_lost_fails_after_one_that_was_answered() -> None:
+    around: Any = BoardContext()
+    endpoint = ENDPOINT._replace(
+        kind=SERVICE_SERVER, incoming=ENDPOINT.outgoing, outgoing=ENDPOINT.incoming
+    )
+    service = OfferedService(around, endpoint, around, Counters(), lambda: 5.0)
+    around.on_request = lambda: service.receive(encode(SetBoolResponse(True, "on")))
+    assert around.call(SetBoolRequest(True)).message == "on"
+    around.on_request = lambda: service.on_lost("the board was restarted")
+    with pytest.raises(CallError, match="^/called: the board was restarted$"):
+        around.call(SetBoolRequest(True))

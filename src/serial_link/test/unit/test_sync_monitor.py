@@ -31,6 +31,8 @@ from serial_link.host.sync_monitor import (
     OVERDUE_S,
     PROBE_EVERY_S,
     QUIET_S,
+    SILENT_ITERATIONS,
+    TIME_EVERY_S,
     SyncMonitor,
 )
 
@@ -134,6 +136,14 @@ def test_sketch_with_a_slow_loop_is_neither_restarted_nor_asked_again(
             actions += monitor.handle(now, MESSAGE)
     assert actions.count(ASK) == 1 and RESTART not in actions and monitor.restarts == 0
     assert max(probes[8:]) <= 2
+
+
+def test_sketch_whose_loop_becomes_quick_again_is_missed_as_soon_as_a_quick_one() -> None:
+    monitor = synced_monitor()
+    monitor.handle(5.0, TIME)
+    assert monitor.patience == SILENT_ITERATIONS * 5.0
+    monitor.handle(5.0 + TIME_EVERY_S, TIME)
+    assert monitor.patience == QUIET_S
 
 
 def test_slow_sketch_that_was_reset_is_asked_again() -> None:

@@ -90,6 +90,8 @@ def test_boards_with_same_address_are_distinguished_by_order() -> None:
     assert connect(slots, A) == "left" and connect(slots, A) == "right"
     slots[0].heard_at = None
     assert connect(slots, A) == "left"
+    slots[1].heard_at = None
+    assert connect(slots, A, SAME_BOARD_S) == "right"  # the other is silent, this one is empty
 
 
 @pytest.mark.parametrize(

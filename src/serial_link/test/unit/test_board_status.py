@@ -1,0 +1,48 @@
+"""Status of a board on /diagnostics, and the log lines about its faults."""
+
+import logging
+from typing import Dict
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from serial_link.nodes import serial_node
+
+
+class FakeLink:
+    """Link with given counters."""
+
+    port_name, trouble = "/dev/board", ""
+
+    def __init__(self) -> None:
+        self.figures = {"received": 5, "sent": 2, "openings": 1, "malformed": 0}
+
+    def all_counters(self) -> Dict[str, int]:
+        return dict(self.figures)
+
+
+def test_new_faults_are_a_warning_once_and_are_logged_at_most_every_10_s(
+    monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
+) -> None:
+    caplog.set_level(logging.INFO, "rosout")
+    now = 0.0
+    monkeypatch.setattr(serial_node.time, "monotonic", lambda: now)
+    link = FakeLink()
+    board = serial_node._Board("left", link, None)  # type: ignore[arg-type]
+
+    def status() -> DiagnosticStatus:
+        return board.status("/serial_node")
+
+    first = status()
+    assert (first.level, first.message) == (DiagnosticStatus.OK, "synchronized")
+    assert (first.name, first.hardware_id) == ("serial_node: left", "/dev/board")
+    assert {value.key: value.value for value in first.values}["received"] == "5"
+    for now in range(1, 12):
+        link.figures["malformed"] = now
+        assert (status().level, status().level) == (DiagnosticStatus.WARN, DiagnosticStatus.OK)
+    lines = [line for line in caplog.messages if "malformed" in line]
+    assert lines == [
+        f"/dev/board: 5 frames received, 2 sent; malformed {count}" for count in (1, 11)
+    ]
+    link.trouble = "the board sends nothing"
+    assert (status().level, status().message) == (DiagnosticStatus.ERROR, link.trouble)

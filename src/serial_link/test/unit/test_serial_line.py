@@ -42,6 +42,9 @@ def test_line_without_rate_has_no_delay_and_cleared_line_is_empty() -> None:
     line.put(1.0, b"abc")
     line.clear()
     assert line.arrived(9.0) == b"" and line.waiting == 0
+
+
+def test_cleared_line_is_free() -> None:
     line = SerialLine(1000)
     line.put(1.0, bytes(100))  # takes a second
     line.clear()

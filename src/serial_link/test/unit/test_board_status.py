@@ -1,6 +1,7 @@
 """Status of a board on /diagnostics, and the log lines about its faults."""
 
 import logging
+from types import SimpleNamespace
 from typing import Dict
 
 import pytest
@@ -26,7 +27,7 @@ def test_new_faults_are_a_warning_once_and_are_logged_at_most_every_10_s(
 ) -> None:
     caplog.set_level(logging.INFO, "rosout")
     now = 0.0
-    monkeypatch.setattr(serial_node.time, "monotonic", lambda: now)
+    monkeypatch.setattr(serial_node, "time", SimpleNamespace(monotonic=lambda: now))
     link = FakeLink()
     board = serial_node._Board("left", link, None)  # type: ignore[arg-type]
 

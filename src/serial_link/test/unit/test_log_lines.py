@@ -1,5 +1,6 @@
 """Log of a board, on rosout and on the console."""
 
+from types import SimpleNamespace
 from typing import Any, List
 
 import pytest
@@ -28,7 +29,7 @@ class FakeScope:
 @pytest.fixture
 def scope(monkeypatch: "pytest.MonkeyPatch") -> Any:
     monkeypatch.setattr(rospy, "get_rostime", lambda: rospy.Time(12, 500000000))
-    monkeypatch.setattr(log_lines.time, "monotonic", lambda: 100.0)
+    monkeypatch.setattr(log_lines, "time", SimpleNamespace(monotonic=lambda: 100.0))
     return FakeScope()
 
 
@@ -51,7 +52,7 @@ def test_lines_beyond_20_a_second_are_counted_and_the_next_second_is_logged(
     lines = LogLines(scope, "/node/board")
     for number in range(23):
         lines.write(INFO, f"line {number}")
-    monkeypatch.setattr(log_lines.time, "monotonic", lambda: 101.0)
+    monkeypatch.setattr(log_lines, "time", SimpleNamespace(monotonic=lambda: 101.0))
     for number in range(20):
         lines.write(INFO, f"next {number}")
     texts = [line.msg for line in scope.published]

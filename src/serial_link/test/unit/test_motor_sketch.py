@@ -146,7 +146,7 @@ def test_speed_does_not_jump_when_the_encoder_is_set_to_zero() -> None:
     bench.run(100.001, 0.3)
     bench.device.receive(100.3, encode(ZERO_REQUEST, b""))
     speeds = [output.output for output in outputs(bench.run(100.301, 0.05))]
-    assert speeds == pytest.approx([13.0] * len(speeds), abs=bench.motor.speed_of(2, 0.01))
+    assert speeds == pytest.approx(5 * [13.0], abs=bench.motor.speed_of(2, 0.01))
 
 
 def test_floods_on_request() -> None:

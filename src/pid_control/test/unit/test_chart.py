@@ -37,6 +37,12 @@ def test_no_peak_is_lost_among_many_points() -> None:
     assert len({y for _, y in points}) == 2
 
 
+def test_many_points_are_drawn_in_the_order_of_time() -> None:
+    values = [number * (-1.0) ** number for number in range(10_000)]
+    (points,) = drawn(Curve("", "red", list(range(10_000)), values))
+    assert len(points) < len(values) and points == sorted(points, key=lambda point: point[0])
+
+
 def test_chart_draws_constant_and_not_finite_values() -> None:
     curves = drawn(
         Curve("", "red", [0.0, 1.0, 2.0], [5.0, math.nan, 5.0]),

@@ -2,11 +2,12 @@
 
 import pathlib
 import sys
-from typing import List
+from typing import Any, List
+from unittest import mock
 
 import pytest
 
-from pid_control.commands import judge, judging_command
+from pid_control.commands import judge, judge_signals, judging_command
 
 GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
 SIMULATED = """
@@ -49,7 +50,8 @@ SIMULATED = """
         (["--real-plant", "--only", "held", GOOD], "held is not for a real plant: there are steps"),
         (["--class", "nowhere"], "--class: not a folder (nowhere)"),
         (["--class", "{folder}"], "no package in {folder}"),
-        (["--class", "{folder}", "--csv", "x"], "not valid with --class"),
+        (["--class", "{folder}", "--csv", "{folder}/x.csv"], "--csv: not valid with --class"),
+        (["--class", "{folder}", "--launch", "x"], "--launch: not valid with --class"),
         (["--csv", "{folder}/no/x.csv", "x", "y"], "{folder}/no/x.csv: No such"),
         (["--csv", "{folder}", "x", "y"], "judge: {folder}: Is a directory"),
         (["--picture", "{folder}/no/x.svg", GOOD], "{folder}/no/x.svg: No such"),
@@ -75,3 +77,32 @@ def test_judge_invalid_request_names_the_problem(
     output, errors = capsys.readouterr()
     assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    "command, words",
+    [
+        (judge, ["--only", "ramp", "--real-time"]),
+        (judge, ["--real-plant", "--full-speed", "9.5", "--motor-input", "std_msgs/Float32/data"]),
+        (judge_signals, ["--only", "yaml", "--real-time"]),
+        (judge_signals, ["--nodes", "a.py,b.py", "--signal", "/x/data", "--proc-signal", "/y/u"]),
+    ],
+)
+def test_class_gives_each_judgement_its_options(
+    command: Any,
+    words: List[str],
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    limits = tmp_path / "limits.yaml"
+    limits.write_text("")
+    given = ["--time-limit", "60.0", "--limits", str(limits), *words]
+    batch = mock.Mock()
+    batch.return_value.run.return_value = 0
+    monkeypatch.setattr("pid_control.programs.batch.Batch", batch)
+    monkeypatch.setattr(sys, "argv", ["judge", *given, "--class", str(tmp_path)])
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    with pytest.raises(SystemExit) as end:
+        command.main()
+    _, _, options, _, time_limit, _ = batch.call_args[0]
+    assert (end.value.code, options, time_limit) == (0, given, 60.0)

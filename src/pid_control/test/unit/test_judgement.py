@@ -124,6 +124,7 @@ def test_judge_p_controller_reports_no_integral() -> None:
         ({("rate", "standstill_jump"): 0.3}, "rate", "standstill_jump", "machine clock"),
         ({("held", "late"): 1.0}, "steps", "late", "too seldom"),
         ({("held", "late"): 1.0}, "steps", "settling_time", "too seldom"),
+        ({("steps", "late"): 1.0}, "steps", "settling_time", "too seldom"),
         ({}, "held", "processor", "too slow"),
         ({}, "held", "set_point_response", "unexplained"),
         ({}, "steps", "peak_input", "no clamp"),
@@ -269,9 +270,10 @@ def test_junit_has_a_case_per_scenario_and_escapes_text() -> None:
     assert list(cases) == list(SCENARIO_METRICS)
     failed = [name for name, case in cases.items() if case.find("failure") is not None]
     assert failed == ["windup"] and suite.get("failures") == "1"
+    assert suite.get("tests") == str(len(SCENARIO_METRICS))
     assert "stop it there" in str(cases["windup"].find("failure").text)
     none = ElementTree.fromstring(as_junit(judge([], LIMITS, "no <master>"), "x"))
-    assert none.get("errors") == "1"
+    assert (none.get("tests"), none.get("errors")) == ("1", "1")
     assert none[0].find("error").get("message") == "no <master>"
 
 

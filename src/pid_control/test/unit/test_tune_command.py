@@ -5,6 +5,7 @@ import sys
 from typing import List
 
 import pytest
+import yaml
 
 from pid_control.commands import tune
 
@@ -35,3 +36,16 @@ def test_tune_invalid_arguments_name_the_problem(
         tune.main()
     assert end.value.code == 2 and why in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["bad.yaml"]
+
+
+def test_tune_writes_gains_with_the_limits_of_the_output(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    model, gains = tmp_path / "model.yaml", tmp_path / "gains.yaml"
+    model.write_text("{system_param_K: 10.0, system_param_T: 0.2}")
+    words = [str(model), "--gains", str(gains), "--least", "-0.5", "--largest", "0.8"]
+    monkeypatch.setattr(sys, "argv", ["tune", *words])
+    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
+    tune.main()
+    found = yaml.safe_load(gains.read_text())
+    assert (found["output_min"], found["output_max"]) == (-0.5, 0.8)

@@ -85,6 +85,16 @@ def test_identify_unrelated_output_raises() -> None:
         identify(record._replace(outputs=noise))
 
 
+def test_identify_gain_that_the_noise_hides_raises() -> None:
+    """The plant coasts to its rest, which shows its time constant; the gain is below 0."""
+    times = numpy.linspace(0.0, 10.0, 300)
+    step = -0.02 * (1.0 - numpy.exp(-(times - 6.0).clip(0.0)))
+    noise = numpy.random.RandomState(1).normal(0.0, 0.1, len(times))
+    record = record_of([0.0, 6.0], [0.0, 1.0], times, 3.0 * numpy.exp(-times) + step + noise)
+    with pytest.raises(IdentificationError, match="there is too little in it, or too much noise"):
+        identify(record)
+
+
 def test_record_of_few_outputs_raises() -> None:
     with pytest.raises(IdentificationError, match="it has 3 outputs; 20 are the least"):
         record_of([0.0, 1.0], [0.0, 1.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0])
@@ -98,7 +108,7 @@ def test_record_of_few_outputs_raises() -> None:
     "changes, model, noise, why",
     [
         ([(1.0, 1.0)], SLOW, 0.0, "they agree"),
-        ([(1.0, 1.0)], Model(2.0, 1.0, 0.0, 0.0, 1.5), 0.0, "the output meets its limit of 1.5"),
+        ([(1.0, -1.0)], Model(2.0, 1.0, 0.0, 0.0, 1.5), 0.0, "the output meets its limit of 1.5"),
         ([(1.0, 1.0)], Model(2.0, 1.0, 0.3), 0.0, "the dead time of 0.3 s is read as a part of T"),
         ([(1.0, 0.1), (2.0, 1.0)], Model(2.0, 1.0, 0.0, 0.2), 0.0, "0.1 is in the dead zone"),
         ([(8.0, 1.0)], SLOW, 0.0, "the step holds for 2.0 T"),
@@ -140,3 +150,7 @@ def test_input_that_was_recorded_late_leaves_gain_and_time_constant_as_they_are(
     assert found.model.dead_time == pytest.approx(-0.15, abs=0.002)
     assert "recorded late by 0.15 s or more" in as_text(late, found, read_step(late))
     assert "system_dead_time: 0.0 " in as_yaml(found, "a record")
+    # Within its uncertainty, a dead time below 0 is no sign of that.
+    model = found.model._replace(dead_time=-0.9 * found.uncertainty.dead_time)
+    near_0 = found._replace(model=model)
+    assert "recorded late by" not in as_text(late, near_0, read_step(late))

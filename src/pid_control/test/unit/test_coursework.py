@@ -151,7 +151,7 @@ def test_find_coursework_prefers_the_launch_file_with_fitting_names(
 ) -> None:
     talk = node("talker.py") + node("listener.py")
     both = node("process.py") + node("signal.py")
-    launch = {"a.launch": talk, "b.launch": both}
+    launch = {"a.launch": talk, "b.launch": both, "c.launch": both}
     folder = package(tmp_path, launch, "talker.py", "listener.py", "signal.py", "process.py")
     assert find_coursework(folder, [], dict(ENVIRONMENT)).launch_file.endswith("b.launch")
 

@@ -214,7 +214,7 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
 @pytest.mark.parametrize(
     "tried",
     [
-        # In Hz, in degrees, a lag, of another unit, not the only one, maybe used in another case.
+        # In Hz, in degrees, a lag, of another unit, below 0, maybe used in another case.
         ParameterEffect("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
         ParameterEffect("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
         ParameterEffect("/f_hz", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
@@ -224,6 +224,7 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
         ParameterEffect("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
         ParameterEffect("/phase_samples", 10.0, "phase_shift", {PROCESS}),
         ParameterEffect("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
+        ParameterEffect("/gain", -0.5, "gain", {PROCESS}, is_predicted=True),
         ParameterEffect("/offset", 1.0, "offset", set()),
         ParameterEffect("/chirp_duration", 1.0, "", set()),
     ],

@@ -214,7 +214,7 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
 @pytest.mark.parametrize(
     "tried",
     [
-        # In Hz, in degrees, a lag, of another unit, below 0, maybe used in another case.
+        # In Hz, in degrees, a lag, of another unit, an amplitude, below 0, maybe used elsewhere.
         ParameterEffect("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
         ParameterEffect("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
         ParameterEffect("/f_hz", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),

@@ -35,6 +35,8 @@ def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int
         (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
         (["--model", "{folder}/no/m.yaml"], "no/m.yaml: No such file or directory"),
         (["--picture", "{folder}/no/p.svg"], "no/p.svg: No such file or directory"),
+        (["--end", "2"], "--end: only valid with a bag"),
+        (["{folder}/none.bag", "--seconds", "5"], "--seconds: only valid without a bag"),
         (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
     ],
 )

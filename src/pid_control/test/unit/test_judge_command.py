@@ -46,6 +46,7 @@ SIMULATED = """
         ),
         (["--picture", "judged.png", "x"], "'judged.png' does not end in .svg"),
         (["--full-speed", "fast", "x"], "'fast' must be above 0 and at most 1e+06 rad/s"),
+        (["--output", "{folder}", "x", "y"], "--output: only valid with --class"),
         (["--full-speed", "9", "x", "y"], "--full-speed: only valid with --real-plant"),
         (["--real-plant", "--only", "held", GOOD], "held is not for a real plant: there are steps"),
         (["--class", "nowhere"], "--class: not a folder (nowhere)"),

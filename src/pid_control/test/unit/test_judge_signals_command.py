@@ -21,6 +21,7 @@ from pid_control.commands import judge_signals, judging_command
         (["--nodes", "a.py,", "x"], "'a.py,' must be two programs"),
         (["--limits", "{folder}/wrong.yaml", "x"], "process: gian: not measured there, but rate"),
         (["--roster", "x.csv", "x"], "--roster: only valid with --class"),
+        (["--output", "{folder}", "x"], "--output: only valid with --class"),
         (["--class", "nowhere"], "--class: not a folder (nowhere)"),
         (["--class", "{folder}", "--workspace", "w"], "--workspace: not valid with --class"),
         (["--class", "{folder}"], "no package in {folder}"),

@@ -49,3 +49,13 @@ def test_tune_writes_gains_with_the_limits_of_the_output(
     tune.main()
     found = yaml.safe_load(gains.read_text())
     assert (found["output_min"], found["output_max"]) == (-0.5, 0.8)
+
+
+def test_tune_method_without_gains_is_refused(
+    capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["tune", "model.yaml", "--method", "lambda"])
+    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
+    with pytest.raises(SystemExit) as end:
+        tune.main()
+    assert end.value.code == 2 and "--method: only valid with --gains" in capsys.readouterr().err

@@ -28,7 +28,12 @@ _LONGEST_S = 3600.0
 
 def main() -> None:
     """Identify a plant, from a bag or running, and exit with 0, 1 or 2."""
-    arguments = _parser().parse_args(rospy.myargv()[1:])
+    parser = _parser()
+    arguments = parser.parse_args(rospy.myargv()[1:])
+    live = arguments.bag is None
+    for name in ("start", "end") if live else ("least", "largest", "seconds"):
+        if getattr(arguments, name) != parser.get_default(name):
+            _fail(f"--{name}: only valid {'with' if live else 'without'} a bag", _WRONG)
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it", _WRONG)
     try:

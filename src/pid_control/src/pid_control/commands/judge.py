@@ -10,6 +10,7 @@ from pid_control.commands.judging_command import (
     Parser,
     add_options,
     check_class,
+    check_single,
     chosen_scenarios,
     class_options,
     roster_of,
@@ -114,8 +115,7 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     from pid_control.programs.program_command import CommandError, find_controller
     from pid_control.runner.session import Session
 
-    if arguments.roster is not None:
-        raise JudgingError("--roster: only valid with --class")
+    check_single(arguments)
     if not arguments.words:
         raise JudgingError("controller missing; give a package and a name in it, or a path")
     if arguments.full_speed is not None and not arguments.real_plant:

@@ -10,6 +10,7 @@ from pid_control.commands.judging_command import (
     Parser,
     add_options,
     check_class,
+    check_single,
     chosen_scenarios,
     class_options,
     roster_of,
@@ -111,8 +112,7 @@ def _evidence(
     from pid_control.programs.program_command import CommandError
     from pid_control.signal_runner.coursework_bench import CourseworkBench, find_request
 
-    if arguments.roster is not None:
-        raise JudgingError("--roster: only valid with --class")
+    check_single(arguments)
     if not arguments.words:
         raise JudgingError("package missing; give its name or its folder")
     print(f"judge: {arguments.words[0]}", flush=True)

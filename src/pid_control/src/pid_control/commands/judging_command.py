@@ -9,12 +9,15 @@ from pid_control.commands.arguments import svg_path
 from pid_control.output_files import check_writable, write_file
 from pid_control.programs.deferred_signals import exit_on_signals
 from pid_control.runner.default_limits import default_limits
+from pid_control.runner.judging_errors import JudgingError
 from pid_control.verdicts.judgement import NOT_JUDGED, STATUS, Judgement
 from pid_control.verdicts.limits import Figures, Limits, LimitsError, merged, read_limits
 from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table
 
 #: Default and largest time limit of a judgement [s].
 _TIME_LIMIT_S, _LONGEST_S = 120.0, 3600.0
+#: Default folder for the files of a class.
+_HERE = "."
 #: Arguments that rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
 
@@ -64,7 +67,7 @@ def add_options(parser: argparse.ArgumentParser, scenarios: Callable[[str], Sequ
     parser.add_argument(
         "--output",
         metavar="DIR",
-        default=".",
+        default=_HERE,
         help="folder for the files of --class; the current one by default",
     )
 
@@ -190,6 +193,17 @@ def check_class(parser: Parser, arguments: argparse.Namespace, invalid: Sequence
             parser.error(f"--{name.replace('_', '-')}: not valid with --class")
     if not os.path.isdir(arguments.class_folder):
         parser.error(f"--class: not a folder ({arguments.class_folder})")
+
+
+def check_single(arguments: argparse.Namespace) -> None:
+    """Check the options of one judgement.
+
+    :param arguments: the options
+    :raises JudgingError: if one is for a batch run only
+    """
+    for name, default in (("roster", None), ("output", _HERE)):
+        if getattr(arguments, name) != default:
+            raise JudgingError(f"--{name}: only valid with --class")
 
 
 def class_options(arguments: argparse.Namespace) -> List[str]:

@@ -24,6 +24,8 @@ def main() -> None:
     exit_on_signals()
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it")
+    if arguments.method != SIMC and arguments.gains is None:
+        _fail("--method: only valid with --gains")
     try:
         with open(arguments.model, encoding="utf-8") as file:
             model = read_model(file.read())

@@ -33,7 +33,7 @@ class AvrBoardNode:
         self._values = node.declare_parameters(AvrParameters).values
         self._folder = pathlib.Path(tempfile.mkdtemp(prefix="avr_board"))
         self._board: Optional[AvrBoard] = None
-        self._has_started = False
+        self._has_started = self._has_ended = False
         node.create_service("~reset", Trigger, self._reset)
         node.create_timer(1.0, self._start, steady=True)
         node.on_shutdown(self._end)
@@ -48,12 +48,14 @@ class AvrBoardNode:
             board = self._build()
             board.start()
         except (BuildError, HeaderError, OSError) as error:
-            if rospy.is_shutdown():  # while the board was built
+            if self._has_ended:  # while the board was built, in the folder that is gone
                 self._end()
                 return
             abort(f"the board cannot be started: {error}")
             return
         self._board = board
+        if self._has_ended:
+            self._end()
 
     def _build(self) -> AvrBoard:
         package = pathlib.Path(rospkg.RosPack().get_path("serial_link"))
@@ -66,7 +68,7 @@ class AvrBoardNode:
         headers = build_headers(self._values.packages.replace(",", " ").split())
         write(arduino_library(headers, self._values.packages, "1.0.0"), self._folder)
         libraries = (package / "avr" / "library", self._folder / "ros_messages" / "src")
-        builder = AvrBuilder(self._folder, rospy.is_shutdown)
+        builder = AvrBuilder(self._folder, lambda: self._has_ended)
         program = builder.sketch(sketch, libraries)
         size = builder.size(program)
         rospy.loginfo(
@@ -85,6 +87,7 @@ class AvrBoardNode:
         return True, "reset"
 
     def _end(self) -> None:
+        self._has_ended = True
         if self._board is not None:
             self._board.close()
         shutil.rmtree(self._folder, ignore_errors=True)

@@ -1,0 +1,28 @@
+"""Node of the simulated AVR, without a build."""
+
+from unittest import mock
+
+import pytest
+
+from serial_link.nodes import avr_board
+from serial_link.nodes.avr_board import AvrBoardNode
+
+
+@pytest.mark.parametrize("fails", [True, False])
+def test_end_during_the_build_is_no_failure_and_leaves_nothing(
+    fails: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    abort, board = mock.Mock(), mock.Mock()
+    monkeypatch.setattr(avr_board, "abort", abort)
+    node = AvrBoardNode(mock.Mock())
+
+    def build() -> mock.Mock:
+        node._end()  # as at Ctrl-C, in another thread
+        if fails:
+            raise FileNotFoundError("the folder is gone")
+        return board
+
+    monkeypatch.setattr(node, "_build", build)
+    node._start(0.0)
+    assert not abort.called
+    assert board.close.called is not fails

@@ -311,7 +311,9 @@ class Bag(unittest.TestCase):
         self.assertNotIn("clock of", own)  # no other clock is estimated
         browser.choose(source, "clock of /signal")
         text = "by the clock of /signal, shifted by 1.7e+09 s"
-        page.wait_for("stats", lambda reply: reply["traces"][name].get("correction") == text)
+        page.wait_for(
+            "stats", lambda reply: reply["traces"].get(name, {}).get("correction") == text
+        )
         # A wrong choice can be undone: the list stays.
         self.wait_text(browser, row, "no sample in this span: the first is 1.7e+09 s after it")
         browser.wait_for(source)

@@ -1,4 +1,4 @@
-"""Diagnostics of the bridge: publishes its health on ``/diagnostics`` in both ROSes."""
+"""Health of the bridge, published on ``/diagnostics`` in both ROSes."""
 
 import io
 import socket
@@ -23,7 +23,7 @@ _TOPIC = "/diagnostics"
 
 
 class Diagnostics:
-    """Publisher of diagnostics in both ROSes: the bridge does not forward its own messages.
+    """Publisher of diagnostics, in both ROSes: the bridge does not forward its own messages.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
@@ -35,7 +35,7 @@ class Diagnostics:
         self, node: Node, participant: Participant, types: TypeRegistry, names: Renaming
     ) -> None:
         self._node = node
-        # The class by which ROS 1's topics are bridged: a process has only one for a topic.
+        # The bridge's own class for ROS 1 topics: rospy allows one class per topic in a process.
         self._type = types.message("diagnostic_msgs/DiagnosticArray")
         self._publisher1 = node.create_publisher(_TOPIC, self._type.raw)
         self._publisher2 = participant.create_publisher(
@@ -43,7 +43,7 @@ class Diagnostics:
         )
 
     def has_subscribers(self) -> bool:
-        """Return whether a node of either ROS subscribes to them."""
+        """Return whether a node of either ROS subscribes to the diagnostics."""
         return bool(
             self._publisher1.get_num_connections() or self._publisher2.get_subscription_count()
         )

@@ -38,7 +38,7 @@ _FIRST_POLLS = 10
 _MASTER_S = 2.0
 #: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 10.0
-#: Time without a complete poll after which nothing new counts as bridged [s].
+#: Time without a complete poll after which the bridge reports an error [s].
 _STUCK_S = 10.0
 
 
@@ -214,11 +214,14 @@ class GraphLoop:
         return {"topics": topics}
 
     def update_health(self) -> None:
-        """Update the health from all counters, and publish it as diagnostics; once a second."""
+        """Update the health from all counters, and publish it as diagnostics.
+
+        To be called once a second.
+        """
         now = time.monotonic()
         trouble = self._trouble
         if not trouble and now > self._polled_at + _STUCK_S:
-            trouble = f"no poll of both graphs in the last {now - self._polled_at:.0f} s"
+            trouble = f"the graphs have not been read for {now - self._polled_at:.0f} s"
         self._health = BridgeHealth(
             self._monitor.update(now, self._topics.counts()),
             len(self._services.pairs),
@@ -231,7 +234,7 @@ class GraphLoop:
             self._diagnostics.publish(statuses(self._health))
 
     def report(self) -> Tuple[bool, str]:
-        """Return whether all is well, and a table of the health as of the last second."""
+        """Return whether all is well, and the health at the latest update as a table."""
         return is_well(self._health), table(self._node.name, self._health)
 
     def close(self) -> None:

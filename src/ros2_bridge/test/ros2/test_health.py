@@ -1,4 +1,4 @@
-"""The bridge's health: /diagnostics in both ROSes, and rosrun ros2_bridge report."""
+"""Health of the bridge: /diagnostics in both ROSes, and rosrun ros2_bridge report."""
 
 import contextlib
 import os
@@ -39,7 +39,7 @@ def report(**environment: str) -> "subprocess.CompletedProcess[str]":
 
 
 class Diagnostics:
-    """The bridge's diagnostics, received in both ROSes; others' are ignored."""
+    """Diagnostics of the bridge, received in both ROSes; those of other nodes are ignored."""
 
     def __init__(self, ros: both.Both) -> None:
         self._to_cdr = ros.types.message("diagnostic_msgs/DiagnosticArray").codec.to_cdr
@@ -76,7 +76,7 @@ def level(statuses: Dict[str, Any], name: str) -> int:
     return int.from_bytes(statuses[name].level, "little")
 
 
-def test_passed_messages_are_shown_with_their_rate(ros: both.Both, bridge: both.Bridge) -> None:
+def test_passed_messages_are_reported_with_their_rate(ros: both.Both, bridge: both.Bridge) -> None:
     out = ros.node.create_publisher(Float32, "/healthy", 10)
     timer = ros.node.create_timer(0.05, lambda: out.publish(Float32(data=1.0)))
     recorder = ros.hear1("/healthy", "std_msgs/Float32")
@@ -109,7 +109,7 @@ def test_passed_messages_are_shown_with_their_rate(ros: both.Both, bridge: both.
     recorder.end()
 
 
-def test_refused_message_is_a_warning_and_a_status_of_the_command(
+def test_refused_message_is_a_warning_and_an_exit_status_of_the_report(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
     out = publisher1(ros, "/late", "std_msgs/Header")
@@ -132,7 +132,7 @@ def test_refused_message_is_a_warning_and_a_status_of_the_command(
         (row,) = [line.split() for line in done.stdout.splitlines() if line.startswith("/late ")]
         assert row[1:3] == ["ROS", "2"]
         assert int(row[6]) >= 1  # refused
-        # The fault is history some seconds after the last one; the counter stays.
+        # The warning ends some seconds after the last fault; the counter stays.
         wait_until(
             lambda: all(
                 "/late (" not in one["topics to ROS 2"].message for one in diagnostics.latest()
@@ -156,7 +156,7 @@ def mute_subscriber(ros: both.Both, topic: str) -> Iterator[None]:
         yield
 
 
-def test_messages_dropped_for_a_subscriber_that_does_not_read_are_counted(
+def test_messages_dropped_for_a_stalled_subscriber_are_counted(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
     out = ros.node.create_publisher(String, "/unread", 10)
@@ -186,7 +186,7 @@ def test_messages_dropped_for_a_subscriber_that_does_not_read_are_counted(
     ros.node.destroy_publisher(out)
 
 
-def test_what_is_not_bridged_is_a_warning_until_it_ends(
+def test_topic_that_is_not_bridged_is_a_warning_until_it_ends(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
     class Unknown(rospy.AnyMsg):  # type: ignore[misc]
@@ -210,7 +210,7 @@ def test_what_is_not_bridged_is_a_warning_until_it_ends(
         wait_until(lambda: not any(reasons()), lambda: str(diagnostics.latest()))
 
 
-def test_bridge_that_has_not_read_the_graphs_for_a_while_reports_an_error() -> None:
+def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None:
     published: List[Any] = []
     loop: Any = GraphLoop.__new__(GraphLoop)
     loop._node, loop._trouble = SimpleNamespace(name="/ros2_bridge"), ""
@@ -223,10 +223,10 @@ def test_bridge_that_has_not_read_the_graphs_for_a_while_reports_an_error() -> N
         loop.update_health()
         assert (published[-1][0].level == 0) is is_well
         assert loop.report()[0] is is_well
-    assert loop.report()[1].startswith("/ros2_bridge: ERROR no poll of both graphs in the last 12")
+    assert loop.report()[1].startswith("/ros2_bridge: ERROR the graphs have not been read for 12")
 
 
-def test_without_a_bridge_the_command_says_so(ros: both.Both) -> None:
+def test_report_without_a_bridge_fails_with_the_reason(ros: both.Both) -> None:
     other = report(ROS_DOMAIN_ID="231")
     assert (other.returncode, other.stdout) == (2, "")
     (line,) = other.stderr.splitlines()
@@ -239,7 +239,7 @@ def test_without_a_bridge_the_command_says_so(ros: both.Both) -> None:
     assert missing.stderr.startswith("report: no master at ")
 
 
-def test_report_of_a_bridge_that_does_not_answer_is_a_sentence(
+def test_report_of_a_suspended_bridge_fails_with_the_reason(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
     wait_until(lambda: not rospy.wait_for_service(marker(), 10.0), lambda: "no marker")

@@ -312,7 +312,7 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
         recorder.wait()
         diagnostics = ros.hear2("/diagnostics", DiagnosticArray)
 
-        def is_told_of_master() -> bool:
+        def is_master_error_reported() -> bool:
             statuses = [s for a in diagnostics.heard[-1:] for s in a.status if s.name == HEALTH]
             return any(
                 s.level == DiagnosticStatus.ERROR
@@ -324,9 +324,9 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
         ros.master.kill()
         heard = len(recorder.heard)
         recorder.wait(heard + 3)  # what is connected goes on without it
-        wait_until(is_told_of_master, lambda: f"no error in {diagnostics.heard[-1:]}")
+        wait_until(is_master_error_reported, lambda: f"no error in {diagnostics.heard[-1:]}")
         ros.master.start()
-        wait_until(lambda: not is_told_of_master(), lambda: "still an error")
+        wait_until(lambda: not is_master_error_reported(), lambda: "still an error")
         diagnostics.end()
         wait_until(
             lambda: [n for _, n in rospy.get_master().getSystemState()[2][0] if "/talker" in n],

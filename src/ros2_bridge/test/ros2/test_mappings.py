@@ -90,7 +90,7 @@ def test_draft_is_a_rule_that_the_bridge_accepts(ros: both.Both) -> None:
         assert "needs a ROS 1 type and a ROS 2 type" in refused.logged()[-1]
 
 
-def test_printed_pairs_follow_the_rules_in_a_file(tmp_path: pathlib.Path) -> None:
+def test_print_pairs_applies_the_rules_in_a_file(tmp_path: pathlib.Path) -> None:
     file = tmp_path / "mappings.yaml"
 
     def printed(text: str) -> both.Running:
@@ -109,7 +109,7 @@ def test_printed_pairs_follow_the_rules_in_a_file(tmp_path: pathlib.Path) -> Non
             "mappings: [{ros1: acme_msgs, ros2: nowhere_msgs}]",
             "acme_msgs is not installed in ROS 1",
         ),
-        ("rules: []", "must have mappings, a list of rules, and nothing else"),
+        ("rules: []", "must contain mappings, a list of rules, and nothing else"),
         ("mappings: [", "while parsing"),
     ):
         command = printed(text)

@@ -368,7 +368,7 @@ def test_failed_write_is_retried_once_at_a_time() -> None:
     assert mirror._work.empty()
 
 
-def test_value_that_ros1_cannot_carry_is_reported_at_each_poll() -> None:
+def test_value_that_ros1_cannot_represent_is_reported_at_each_poll() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._name, mirror._values, mirror._kinds, mirror._unfit = "/far", {}, {}, {}
     mirror._master, mirror._skip_log = SimpleNamespace(request=list), SkipLog()

@@ -1,4 +1,4 @@
-"""Installation of the official command line, from repositories that the test makes."""
+"""Installation of the official command line, from repositories created by the test."""
 
 import pathlib
 import subprocess
@@ -13,7 +13,7 @@ from ros2_bridge.environment.python_environment import PythonEnvironment, Unavai
 
 @pytest.fixture
 def source(tmp_path: pathlib.Path) -> Source:
-    """Make a repository with one release."""
+    """Create a repository with a release and a newer commit."""
     place = tmp_path / "repository"
 
     def git(*arguments: str) -> str:
@@ -36,7 +36,7 @@ def source(tmp_path: pathlib.Path) -> Source:
 
 @pytest.fixture
 def environment(tmp_path: pathlib.Path) -> PythonEnvironment:
-    """Make an environment whose Python notes its arguments, and rejects the newer commit."""
+    """Create an environment whose Python records its arguments and rejects the newer commit."""
     made = PythonEnvironment(tmp_path / "ros2")
     made.python.parent.mkdir(parents=True)
     made.python.write_text(
@@ -79,7 +79,7 @@ def test_missing_repository_is_named(
     assert calls(tmp_path) == []
 
 
-def test_failed_installation_is_tried_again(
+def test_failed_installation_is_retried(
     tmp_path: pathlib.Path, source: Source, environment: PythonEnvironment
 ) -> None:
     good = environment.python.read_text()
@@ -91,5 +91,5 @@ def test_failed_installation_is_tried_again(
     assert len(calls(tmp_path)) == 2
 
 
-def test_commits_are_complete() -> None:
+def test_commits_are_full_hashes() -> None:
     assert all(len(source.commit) == 40 for source in SOURCES)

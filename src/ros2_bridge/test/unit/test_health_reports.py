@@ -1,4 +1,4 @@
-"""The health is shown on /diagnostics and in a table, with a level above OK only for faults."""
+"""Statuses for /diagnostics and the table of the bridge's health."""
 
 from typing import Dict, Sequence
 
@@ -78,7 +78,7 @@ def test_warning_names_three_topics_and_counts_the_others() -> None:
     assert statuses(health(three))[2].message == expected
 
 
-def test_what_is_not_bridged_is_a_warning_with_each_reason() -> None:
+def test_names_that_are_not_bridged_are_a_warning_with_each_reason() -> None:
     status = statuses(health({}, ["/a: no type"]))[3]
     assert (status.level, status.message) == (WARN, "/a: no type; ~deny excludes a name")
     status = statuses(health({}, ["/a: no type", "/b: differs"]))[3]

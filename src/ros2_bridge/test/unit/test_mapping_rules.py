@@ -40,19 +40,19 @@ def test_renamed_package_keeps_the_names_of_its_types():
     assert rules.own == []
 
 
-def test_names_of_a_renamed_package_that_are_in_camel_case_in_ros2_are_paired():
+def test_renamed_package_pairs_names_with_their_camel_case():
     rules = MappingRules([{"ros1": "acme_msgs", "ros2": "acme_interfaces"}])
     rules.pair_types("msg", "acme_msgs", ["IMU_data", "Only1"], ["ImuData", "Only2"])
     assert rules.ros2_name("msg", "acme_msgs/IMU_data") == "acme_interfaces/ImuData"
     assert rules.ros1_name("msg", "acme_interfaces/ImuData") == "acme_msgs/IMU_data"
     assert not rules.is_taken("msg", "acme_msgs/IMU_data", "acme_interfaces/ImuData")
     assert rules.ros1_name("msg", "acme_interfaces/Only2") == "acme_msgs/Only2"
-    # Without a counterpart: the name that ROS 2 requires.
+    # Without a counterpart, the name is converted to CamelCase.
     assert rules.ros2_name("srv", "acme_msgs/IMU_data") == "acme_interfaces/IMUData"
     assert rules.unclear == {}
 
 
-def test_types_with_a_rule_of_their_own_are_not_paired_by_that_of_the_package():
+def test_rule_for_a_type_takes_precedence_over_that_for_its_package():
     package = {"ros1": "acme_msgs", "ros2": "acme_interfaces"}
     arm = {"ros1": "acme_msgs/arm", "ros2": "acme_interfaces/msg/Limb"}
     rules = MappingRules([package, arm])
@@ -66,12 +66,12 @@ def test_types_with_a_rule_of_their_own_are_not_paired_by_that_of_the_package():
     assert rules.ros2_name("msg", "acme_msgs/IMU_data") == "acme_interfaces/IMUData"
 
 
-def test_names_of_a_renamed_package_with_several_counterparts_need_a_rule():
+def test_ambiguous_name_in_a_renamed_package_needs_a_rule():
     rules = MappingRules([{"ros1": "acme_msgs", "ros2": "acme_interfaces"}])
     rules.pair_types("srv", "acme_msgs", ["get_imu"], ["GetImu", "GetIMU"])
     assert rules.unclear == {
         ("srv", "acme_msgs/get_imu"): "acme_msgs/get_imu: the names get_imu, GetIMU, GetImu differ"
-        " in case and underscores only; name its counterpart in acme_interfaces in a mapping rule"
+        " only in case and underscores; name its counterpart in acme_interfaces in a mapping rule"
         " for the type"
     }
 

@@ -1,4 +1,4 @@
-"""Types of a renamed package are paired by name, also where ROS 2 requires CamelCase."""
+"""Pairs of type names of a renamed package: equal ones, and ROS 2's CamelCase."""
 
 from typing import List
 
@@ -30,7 +30,7 @@ def test_equal_names_take_precedence() -> None:
     )
 
 
-def test_several_names_that_match_are_no_pairs() -> None:
+def test_ambiguous_names_are_not_paired() -> None:
     found = pair_names(["signal_msg", "Signal_Msg", "arm"], ["SignalMsg", "Arm"])
     names = ["Signal_Msg", "signal_msg", "SignalMsg"]
     assert found == ({"arm": "Arm"}, {"signal_msg": names, "Signal_Msg": names})

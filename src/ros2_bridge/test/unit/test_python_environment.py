@@ -90,7 +90,7 @@ def test_unsupported_python_is_rejected(
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
 
-def test_processor_without_wheels_is_named_with_what_works(
+def test_architecture_without_wheels_is_named_with_a_workaround(
     monkeypatch: "pytest.MonkeyPatch", wheels: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
     monkeypatch.setattr(python_environment, "MACHINES", ("x86_64",))
@@ -98,8 +98,8 @@ def test_processor_without_wheels_is_named_with_what_works(
     with pytest.raises(Unavailable) as caught:
         Environment(tmp_path / "ros2").make(wheels, {})
     assert str(caught.value) == (
-        "PyPI has ROS 2 for x86_64 only, and this is aarch64; start the bridge on such a machine,"
-        " with ROS_MASTER_URI set to this one's master"
+        "PyPI has ROS 2 for x86_64 only, not for aarch64; start the bridge on such a machine, with"
+        " ROS_MASTER_URI set to this machine's master"
     )
     assert not (tmp_path / "ros2").exists()
 
@@ -281,24 +281,24 @@ def test_packages_are_found_at_any_depth_as_catkin_finds_them(tmp_path: pathlib.
     }
 
 
-def test_package_with_a_broken_manifest_is_named_and_omitted(
+def test_package_with_an_invalid_manifest_is_named_and_skipped(
     tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     package(tmp_path / "good_msgs")
     package(tmp_path / "broken_msgs")
     (tmp_path / "broken_msgs" / "package.xml").write_text("<package><name>broken_msgs</name")
     assert list(python_environment.packages_under(tmp_path)) == ["good_msgs"]
-    assert "broken_msgs/package.xml: not valid XML (unclosed token" in capsys.readouterr().err
+    assert "broken_msgs/package.xml: invalid XML (unclosed token" in capsys.readouterr().err
     (tmp_path / "broken_msgs" / "package.xml").write_text("<package/>")
     (tmp_path / "lost_msgs").mkdir()
     (tmp_path / "lost_msgs" / "package.xml").symlink_to("nowhere")
     assert list(python_environment.packages_under(tmp_path)) == ["good_msgs"]
     lines = capsys.readouterr().err
-    assert "broken_msgs/package.xml: no name: the package is left out" in lines
+    assert "broken_msgs/package.xml: missing name; the package is skipped" in lines
     assert "lost_msgs/package.xml: [Errno 2] No such file or directory" in lines
 
 
-def test_comment_in_an_old_encoding_is_read(tmp_path: pathlib.Path) -> None:
+def test_definition_with_a_comment_in_latin1_is_read(tmp_path: pathlib.Path) -> None:
     package(tmp_path / "old_msgs")
     (tmp_path / "old_msgs" / "msg").mkdir(exist_ok=True)
     (tmp_path / "old_msgs" / "msg" / "Heat.msg").write_bytes(b"float32 value  # in \xb0C\n")

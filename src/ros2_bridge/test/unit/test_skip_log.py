@@ -44,7 +44,7 @@ def test_reason_is_current_while_polls_report_it() -> None:
     assert log.current() == ["/a", "/b"]
     log.end_poll()
     log.report("/a")
-    assert log.current() == ["/a", "/b"]  # the poll may not have come to /b yet
+    assert log.current() == ["/a", "/b"]  # the current poll may not have reached /b yet
     log.end_poll()
     assert log.current() == ["/a"]
     log.end_poll()

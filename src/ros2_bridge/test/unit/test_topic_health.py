@@ -1,4 +1,4 @@
-"""Rates and recent faults follow from counters."""
+"""Rates and recent faults of topics, from counters."""
 
 from typing import Dict, List, Tuple
 
@@ -52,7 +52,7 @@ def test_rate_times_time_is_what_was_passed(growths: List[int]) -> None:
         assert rate * (second - first) == pytest.approx(total - totals[first], abs=1e-9)
 
 
-def test_topic_bridged_again_starts_again() -> None:
+def test_rate_restarts_with_the_counters() -> None:
     before = [(float(second), {A: TopicCounts(100 * second, lost=9)}) for second in range(4)]
     found = states(*before, (4.0, {A: TopicCounts(3, lost=2)}))
     assert found[A].rate == 0.0
@@ -61,7 +61,7 @@ def test_topic_bridged_again_starts_again() -> None:
     assert found[A].rate == pytest.approx(10.0)
 
 
-def test_topic_that_was_closed_meanwhile_starts_again() -> None:
+def test_rate_restarts_after_the_topic_was_closed() -> None:
     found = states((0.0, {A: TopicCounts(5)}), (1.0, {}), (2.0, {A: TopicCounts(50)}))
     assert found[A].rate == 0.0
 
@@ -75,11 +75,11 @@ def test_fault_is_recent_for_ten_seconds(name: str) -> None:
     assert states((1.0, {A: one}), (5.0, {A: two}), (15.0, {A: two}))[A].recent == {}
 
 
-def test_thinned_messages_and_full_queues_are_no_faults() -> None:
+def test_thinned_messages_and_held_bytes_are_no_faults() -> None:
     found = states((0.0, {A: TopicCounts()}), (1.0, {A: TopicCounts(thinned=5, held=9)}))
     assert found[A].recent == {}
 
 
-def test_slow_subscriber_that_has_gone_is_no_new_fault() -> None:
+def test_disconnected_slow_subscriber_is_no_new_fault() -> None:
     updates = [(float(s), {A: TopicCounts(unread=n)}) for s, n in enumerate((8, 0, 1))]
     assert states(*updates)[A].recent == {"unread": 9}

@@ -14,16 +14,16 @@ from ros2_bridge.ros1.single_instance import domain, marker
 
 #: Exit statuses.
 ALL_WELL, SOMETHING_WRONG, NO_ANSWER = 0, 1, 2
-#: Timeout for an answer of the bridge [s].
+#: Timeout for a response of the bridge [s].
 _TIMEOUT_S = 5.0
 
 
 def main() -> None:
-    """Print the table of the bridge of this ROS_DOMAIN_ID; the exit status is 0 if all is well."""
+    """Print the table of the bridge to ROS_DOMAIN_ID; exit with 0 if all is well."""
     parser = argparse.ArgumentParser(
         prog="report",
-        description="Print rates, losses and queues of the topics of the running bridge to the ROS"
-        " 2 domain ROS_DOMAIN_ID, and what it does not bridge.",
+        description="Print rates, losses and queues of the topics that the bridge to the ROS 2"
+        " domain ROS_DOMAIN_ID forwards, and what it does not bridge.",
         epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if there is no answer.",
     )
     parser.add_argument("--version", action=ShowVersion, package="ros2_bridge")
@@ -34,7 +34,7 @@ def main() -> None:
         if master.lookup_service(name) is None:
             _exit_with_error(
                 f"no bridge to domain {domain()} is running; start one with 'roslaunch ros2_bridge"
-                " bridge.launch', or set ROS_DOMAIN_ID to that of one that runs"
+                " bridge.launch', or set ROS_DOMAIN_ID to the domain of a running bridge"
             )
         node = call_service(name, Trigger, timeout=_TIMEOUT_S).result().message
         answer = call_service(f"{node}/report", Trigger, timeout=_TIMEOUT_S).result()

@@ -1,6 +1,6 @@
-"""Installation of the official command line of ROS 2 from its source, at known commits.
+"""Installation of ROS 2's official command line from source, at fixed commits.
 
-Neither PyPI nor Debian has it.
+Neither PyPI nor Debian has the command line.
 """
 
 import pathlib
@@ -15,11 +15,11 @@ from ros2_bridge.environment.python_environment import (
 
 
 class Source(NamedTuple):
-    """Repository of Python packages.
+    """Git repository of Python packages.
 
-    :param url: where git fetches it
+    :param url: its URL
     :param commit: commit of the release
-    :param packages: folders of the packages
+    :param packages: folders of the packages, relative to the repository
     """
 
     url: str
@@ -27,7 +27,7 @@ class Source(NamedTuple):
     packages: Tuple[str, ...]
 
 
-#: The release of Jazzy. Commands that need a build of ROS 2, such as ``ros2 pkg``, are left out.
+#: Releases of Jazzy, without commands that need a full ROS 2 installation, such as ``ros2 pkg``.
 SOURCES = (
     Source(
         "https://github.com/ros2/rosidl_runtime_py",
@@ -48,12 +48,12 @@ SOURCES = (
 def install(
     environment: PythonEnvironment, wheels: pathlib.Path, sources: Sequence[Source] = SOURCES
 ) -> None:
-    """Install the command line, unless it is installed.
+    """Install the command line, unless these versions are already installed.
 
     :param environment: a complete environment
-    :param wheels: list of the wheels that it needs, with hashes
-    :param sources: its sources
-    :raises Unavailable: if it cannot be fetched or installed
+    :param wheels: requirements file with the wheels that the command line needs, with hashes
+    :param sources: its repositories
+    :raises Unavailable: if the command line cannot be fetched or installed
     """
     stamp = environment.folder / "command_line"
     wanted = "\n".join([*(source.commit for source in sources), wheels.read_text("utf-8")])
@@ -81,7 +81,7 @@ def _fetch(environment: PythonEnvironment, source: Source, folder: pathlib.Path)
     folder.mkdir()
     for options in (
         ["init", "--quiet"],
-        # By its commit: a tag may be moved.
+        # Fetch a commit, not a tag, which could be moved.
         ["fetch", "--quiet", "--depth", "1", source.url, source.commit],
         ["checkout", "--quiet", "FETCH_HEAD"],
     ):

@@ -23,7 +23,7 @@ def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, 
     given["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
     if environ.get("ROS_DISCOVERY_SERVER"):
         given.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
-        # Otherwise the server tells only of topics that this process has an end of already.
+        # Otherwise the server announces only topics for which this process has an endpoint.
         given.setdefault("ROS_SUPER_CLIENT", "TRUE")
     # As on the ROS 1 side, nodes of other machines are invisible by default.
     reach = given.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", LOCALHOST)

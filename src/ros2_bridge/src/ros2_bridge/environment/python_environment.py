@@ -24,7 +24,7 @@ from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_int
 
 #: Python versions with wheels.
 PYTHONS = ((3, 11), (3, 12), (3, 13), (3, 14))
-#: Processors with wheels, as ``uname -m`` names them.
+#: Architectures with wheels, as ``uname -m`` names them.
 MACHINES = ("x86_64",)
 #: ROS 1 packages that exist in ROS 2 but not on PyPI: their bridged types.
 WITHOUT_WHEEL = {
@@ -288,11 +288,11 @@ def first_error(log: str) -> str:
 
 
 def check_platform() -> None:
-    """Reject a processor or a Python version without wheels."""
+    """Reject an architecture or a Python version without wheels."""
     if platform.machine() not in MACHINES:
         raise Unavailable(
-            f"PyPI has ROS 2 for {', '.join(MACHINES)} only, and this is {platform.machine()};"
-            " start the bridge on such a machine, with ROS_MASTER_URI set to this one's master"
+            f"PyPI has ROS 2 for {', '.join(MACHINES)} only, not for {platform.machine()}; start"
+            " the bridge on such a machine, with ROS_MASTER_URI set to this machine's master"
         )
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)
@@ -316,7 +316,7 @@ def _read(path: pathlib.Path) -> str:
     data = path.read_bytes()
     try:
         return data.decode("utf-8")
-    except UnicodeDecodeError:  # most often an old comment with a degree sign
+    except UnicodeDecodeError:  # usually an old comment with a degree sign
         return data.decode("latin-1")
 
 
@@ -333,7 +333,7 @@ def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
 def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
     """Return the packages in a folder at any depth, as catkin finds them.
 
-    A package whose package.xml cannot be read is omitted, with a message.
+    A package whose package.xml cannot be read is skipped, with a message.
     """
     found: Dict[str, pathlib.Path] = {}
     for place, folders, files in os.walk(str(folder), followlinks=True):
@@ -345,14 +345,14 @@ def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
             try:
                 name = ElementTree.parse(str(manifest)).findtext("name", "").strip()
             except ElementTree.ParseError as error:
-                say(f"{manifest}: not valid XML ({error}): the package is left out")
-            except (OSError, ValueError) as error:  # such as a broken link, or an odd encoding
-                say(f"{manifest}: {error}: the package is left out")
+                say(f"{manifest}: invalid XML ({error}); the package is skipped")
+            except (OSError, ValueError) as error:  # e.g. a broken link or an unknown encoding
+                say(f"{manifest}: {error}; the package is skipped")
             else:
                 if not name:
-                    say(f"{manifest}: no name: the package is left out")
+                    say(f"{manifest}: missing name; the package is skipped")
                 elif found.setdefault(name, manifest.parent) != manifest.parent:
-                    say(f"{manifest}: {found[name]} has the same name: this package is left out")
+                    say(f"{manifest}: same name as {found[name]}; the package is skipped")
     return found
 
 

@@ -15,7 +15,7 @@ options:
   -h, --help     print this help and exit
   --print-pairs [FILE]
                  print the bridged types (the others, with the reason, on standard error) and exit;
-                 FILE has mapping rules, as of mappings_file:=
+                 FILE contains mapping rules, as for mappings_file:=
   --draft-mapping ROS1_TYPE ROS2_TYPE
                  print a mapping rule for two types, such as a/Arm b/msg/Arm, in which fields
                  without a counterpart are left out, and exit

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Health of the running bridge: rates and faults of its topics, and reports of them."""
+"""Health of the running bridge: rates and faults of its topics, and reports."""

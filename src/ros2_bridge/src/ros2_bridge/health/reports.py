@@ -7,13 +7,13 @@ from ros2_bridge.rules.selection import Route
 
 #: Levels, as in diagnostic_msgs/DiagnosticStatus.
 OK, WARN, ERROR = 0, 1, 2
-#: Description of each counter of faults.
+#: Description of each fault counter.
 _FAULTS = {
     "lost": "lost on the way from ROS 2",
     "refused": "refused",
     "unread": "dropped for subscribers that do not read",
 }
-#: Most topics that a message names.
+#: Maximum number of topics that a message names.
 _MOST_NAMED = 3
 _COLUMNS = ("topic", "to", "Hz", "passed", "lost", "refused", "unread", "thinned", "queue")
 
@@ -23,8 +23,8 @@ class BridgeHealth(NamedTuple):
 
     :param topics: state of each topic
     :param services, actions: numbers of bridged services and actions
-    :param not_bridged: the current reasons for what is not bridged
-    :param trouble: reason why nothing new is bridged; empty without one
+    :param not_bridged: current reasons why names are not bridged
+    :param trouble: reason why nothing new is bridged; empty if there is none
     :param memory: resident memory of the process [bytes]
     """
 
@@ -37,9 +37,9 @@ class BridgeHealth(NamedTuple):
 
 
 class Status(NamedTuple):
-    """A status, as in diagnostic_msgs/DiagnosticStatus.
+    """Status, as in diagnostic_msgs/DiagnosticStatus.
 
-    :param name: without the name of the node
+    :param name: its name, without the node's
     """
 
     level: int
@@ -49,12 +49,12 @@ class Status(NamedTuple):
 
 
 def statuses(health: BridgeHealth) -> List[Status]:
-    """Return the statuses: always the same, so that none becomes stale when a topic ends."""
+    """Return the statuses: always the same four, so none becomes stale when a topic ends."""
     return [
-        _of_bridge(health),
-        _of_topics(health, to_ros2=True),
-        _of_topics(health, to_ros2=False),
-        _of_not_bridged(health.not_bridged),
+        _bridge_status(health),
+        _topics_status(health, to_ros2=True),
+        _topics_status(health, to_ros2=False),
+        _not_bridged_status(health.not_bridged),
     ]
 
 
@@ -63,7 +63,7 @@ def is_well(health: BridgeHealth) -> bool:
     return all(status.level == OK for status in statuses(health))
 
 
-def _of_bridge(health: BridgeHealth) -> Status:
+def _bridge_status(health: BridgeHealth) -> Status:
     values = [
         ("topics to ROS 2", str(len(_topics(health, True)))),
         ("topics to ROS 1", str(len(_topics(health, False)))),
@@ -90,10 +90,10 @@ def _is_active(state: TopicHealth) -> bool:
     return any((counts.passed, counts.lost, counts.refused, counts.unread, counts.thinned))
 
 
-def _of_topics(health: BridgeHealth, to_ros2: bool) -> Status:
+def _topics_status(health: BridgeHealth, to_ros2: bool) -> Status:
     topics = _topics(health, to_ros2)
     active = {name: state for name, state in topics.items() if _is_active(state)}
-    values = [(name, _as_text(state, to_ros2)) for name, state in active.items()]
+    values = [(name, _topic_text(state, to_ros2)) for name, state in active.items()]
     values.append(("topics without messages", str(len(topics) - len(active))))
     faulty = [f"{name} ({_faults(state)})" for name, state in active.items() if state.recent]
     name = f"topics to ROS {2 if to_ros2 else 1}"
@@ -109,7 +109,7 @@ def _faults(state: TopicHealth) -> str:
     return ", ".join(f"{count} {_FAULTS[name]}" for name, count in state.recent.items())
 
 
-def _as_text(state: TopicHealth, to_ros2: bool) -> str:
+def _topic_text(state: TopicHealth, to_ros2: bool) -> str:
     counts = state.counts
     found = [f"{state.rate:.1f} Hz", f"{counts.passed} passed"]
     found += [
@@ -121,11 +121,11 @@ def _as_text(state: TopicHealth, to_ros2: bool) -> str:
 
 
 def _queue(held: int, to_ros2: bool) -> str:
-    """Return the size of a queue; to ROS 2, the most it may have."""
+    """Return the size of a queue; to ROS 2, its upper bound."""
     return f"at most {held} bytes" if to_ros2 else f"{held} bytes"
 
 
-def _of_not_bridged(reasons: Sequence[str]) -> Status:
+def _not_bridged_status(reasons: Sequence[str]) -> Status:
     values = [(str(number), reason) for number, reason in enumerate(reasons, 1)]
     if not reasons:
         return Status(OK, "not bridged", "nothing", values)

@@ -1,4 +1,4 @@
-"""Rates and recent faults of topics, from counters that only grow while a topic is bridged."""
+"""Rates and recent faults of topics, computed from their counters."""
 
 import collections
 from typing import Deque, Dict, List, Mapping, NamedTuple, Tuple
@@ -12,15 +12,15 @@ RECENT_S = 10.0
 
 
 class TopicCounts(NamedTuple):
-    """Counters of a topic in one direction, since it has been bridged.
+    """Counters of a topic in one direction, since it was bridged.
 
     :param passed: messages passed on
     :param lost: messages lost on the way from ROS 2
-    :param refused: messages that the other ROS cannot represent, or malformed ones
+    :param refused: messages that are malformed or that the other ROS cannot represent
     :param unread: messages dropped for subscribers in ROS 1 that do not read
     :param thinned: messages dropped by ``max_rate``, which is no fault
-    :param held: bytes held for subscribers in ROS 1; to ROS 2, the most that may be held, because
-        ROS 2 does not report the current number
+    :param held: bytes held for subscribers in ROS 1; to ROS 2 an upper bound, because ROS 2 does
+        not report the current number
     """
 
     passed: int = 0
@@ -31,7 +31,7 @@ class TopicCounts(NamedTuple):
     held: int = 0
 
 
-#: Counters of faults.
+#: Names of the fault counters.
 FAULTS = ("lost", "refused", "unread")
 
 
@@ -49,7 +49,7 @@ class TopicHealth(NamedTuple):
 
 
 class TopicHealthMonitor:
-    """Monitor of the counters of all topics."""
+    """Monitor that derives rates and recent faults from the counters of all topics."""
 
     def __init__(self) -> None:
         self._passed: Deque[Tuple[float, Dict[Route, int]]] = collections.deque()
@@ -95,7 +95,7 @@ class TopicHealthMonitor:
         before = self._before.get(route, TopicCounts())
         faults = [one for one in self._faults.get(route, ()) if now < one[0] + RECENT_S]
         for name in FAULTS:
-            # Fewer than before: a subscriber that does not read has gone.
+            # The sum over subscribers decreases when one disconnects: no fault.
             growth = getattr(counts, name) - getattr(before, name)
             if growth > 0:
                 faults.append((now, name, growth))

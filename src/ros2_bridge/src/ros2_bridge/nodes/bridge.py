@@ -21,7 +21,7 @@ class Bridge:
 
     :ROS Publishers:
         - ``~statistics`` (std_msgs/String): counters of all topics once a second, as YAML
-        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray), in ROS 2, too: health, once a second
+        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray): health once a second, also in ROS 2
 
     :ROS Services:
         - ``~report`` (std_srvs/Trigger): whether all is well, and a table
@@ -49,14 +49,14 @@ class Bridge:
 def print_pairs(arguments: List[str]) -> None:
     """Print each pair of types; on standard error, types with the same name that differ.
 
-    :param arguments: at most a YAML file with the user's mapping rules
+    :param arguments: optionally the name of a YAML file with mapping rules
     """
     if len(arguments) > 1:
-        end(f"bridge: --print-pairs takes at most a file of mapping rules, not {arguments[1]}")
+        end(f"bridge: --print-pairs: unexpected argument {arguments[1]}; give at most one file")
     try:
         types = TypeRegistry(read_rules(arguments[0]) if arguments else None)
     except (OSError, ParameterError, ValueError, yaml.YAMLError) as error:
-        end(f"bridge: --print-pairs: {' '.join(str(error).split())}")  # YAML's take several lines
+        end(f"bridge: --print-pairs: {' '.join(str(error).split())}")  # YAML errors span lines
     finders: Dict[str, Callable[[str], Any]] = {
         "msg": types.message,
         "srv": types.service,
@@ -73,16 +73,16 @@ def print_pairs(arguments: List[str]) -> None:
 
 
 def read_rules(path: str) -> Any:
-    """Return the mapping rules in a file, as of ``mappings_file:=``.
+    """Return the mapping rules in a file, as for ``mappings_file:=``.
 
-    :raises OSError: if it cannot be read
-    :raises yaml.YAMLError: if it is not YAML
-    :raises ValueError: if it has no ``mappings``
+    :raises OSError: if the file cannot be read
+    :raises yaml.YAMLError: if it is not valid YAML
+    :raises ValueError: if it does not consist of ``mappings``
     """
     with open(path, encoding="utf-8") as file:
         found = yaml.safe_load(file)
     if not isinstance(found, dict) or set(found) != {"mappings"}:
-        raise ValueError(f"{path}: must have mappings, a list of rules, and nothing else")
+        raise ValueError(f"{path}: must contain mappings, a list of rules, and nothing else")
     return found["mappings"]
 
 

@@ -61,7 +61,7 @@ class ParametersToRos1:
         #: Values shared by node and server, by ROS 2 name, and their types.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
-        #: Why ROS 1 cannot carry a value of the node, by ROS 2 name.
+        #: Reasons why ROS 1 cannot represent values of the node, by ROS 2 name.
         self._unfit: Dict[str, str] = {}
         self._is_written = False
         #: Names on the server that the node does not have and the user has been warned of.
@@ -89,7 +89,7 @@ class ParametersToRos1:
             self.write_all()
 
     def report_unfit(self) -> None:
-        """Report the values that ROS 1 cannot carry, at each poll of both graphs."""
+        """Report the values that ROS 1 cannot represent; to be called at each poll."""
         for why in list(self._unfit.values()):
             self._skip_log.report(f"{self._name}: {why}")
 
@@ -228,5 +228,5 @@ class ParametersToRos1:
             return str(error)
         if len(results) != 1:
             return f"the node sent {len(results)} results for one parameter"
-        reason = results[0].reason.rstrip(".")  # more follows in the message
+        reason = results[0].reason.rstrip(".")  # the message continues after it
         return "" if results[0].successful else reason or "no reason given"

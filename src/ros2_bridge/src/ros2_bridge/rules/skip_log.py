@@ -20,7 +20,7 @@ class SkipLog:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._reported: Set[str] = set()
-        #: Reasons of the current poll, and of the one before.
+        #: Reasons reported in the current poll and in the previous one.
         self._polls: List[Set[str]] = [set(), set()]
         self._pending: List[str] = []
         self._last: Optional[float] = None
@@ -52,12 +52,12 @@ class SkipLog:
             self.report(f"{name}: {why}")
 
     def end_poll(self) -> None:
-        """End a poll of both graphs, in which each reason that still holds was reported."""
+        """End a poll of both graphs, during which each valid reason was reported."""
         with self._lock:
             self._polls = [set(), self._polls[0]]
 
     def current(self) -> List[str]:
-        """Return the reasons that hold now, sorted: those of the current poll and the last one."""
+        """Return the reasons of the current and the previous poll, sorted."""
         with self._lock:
             return sorted(self._polls[0] | self._polls[1])
 

@@ -64,7 +64,7 @@ class NodePublisher:
         self._publisher.publish(data)
 
     def held_at_most(self) -> int:
-        """Return the most bytes that it holds for subscribers that do not read."""
+        """Return the upper bound of bytes that it holds for subscribers that do not read."""
         return self._quality.depth * self._size
 
     def move(self, owner: Ros2Node) -> None:
@@ -164,7 +164,7 @@ class TopicPublishers:
             return any(one.is_latched for one in self._by_caller.values())
 
     def held_at_most(self) -> int:
-        """Return the most bytes that they hold for subscribers that do not read."""
+        """Return the upper bound of bytes held for subscribers that do not read."""
         with self._lock:
             return sum(one.held_at_most() for one in self._by_caller.values())
 

@@ -1,4 +1,4 @@
-"""Folders of ROS 1's definitions, of the active workspaces and of Debian's packages."""
+"""Folders of ROS 1 definitions, in the active workspaces and in Debian's packages."""
 
 import contextlib
 import os
@@ -36,7 +36,7 @@ def names_in_package(packages: rospkg.RosPack, package: str, kind: str) -> List[
 def shared_types(others: Iterable[str] = ()) -> Iterator[Tuple[str, str]]:
     """Yield kind and name of each ROS 1 type in packages that ROS 2 also has.
 
-    :param others: further ROS 1 packages, with another name in ROS 2
+    :param others: additional ROS 1 packages, whose names differ in ROS 2
     """
     packages = rospkg.RosPack()
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")

@@ -75,10 +75,10 @@ class MappingRules:
                 self._types[one.kind, one.ros1] = one
         self._back = {(rule.kind, rule.ros2): rule.ros1 for rule in self._types.values()}
         self._packages_back = {its: ours for ours, its in self.packages.items()}
-        #: ROS 2 name of each type of a renamed package, by kind and ROS 1 name, and back
+        #: ROS 2 name of each type of a renamed package, by kind and ROS 1 name, and the reverse.
         self._names: Dict[Tuple[str, str], str] = {}
         self._names_back: Dict[Tuple[str, str], str] = {}
-        #: by kind and ROS 1 name: why a type of a renamed package has no counterpart
+        #: Reasons why types of renamed packages have no counterpart, by kind and ROS 1 name.
         self.unclear: Dict[Tuple[str, str], str] = {}
 
     def _add(self, rule: Any) -> None:
@@ -114,8 +114,8 @@ class MappingRules:
             self._names_back[kind, f"{other}/{its}"] = f"{package}/{name}"
         for name, names in pairs.unclear.items():
             self.unclear[kind, f"{package}/{name}"] = (
-                f"{package}/{name}: the names {', '.join(names)} differ in case and underscores"
-                f" only; name its counterpart in {other} in a mapping rule for the type"
+                f"{package}/{name}: the names {', '.join(names)} differ only in case and"
+                f" underscores; name its counterpart in {other} in a mapping rule for the type"
             )
 
     def _is_named(self, rule: TypeRule) -> bool:
@@ -157,7 +157,7 @@ class MappingRules:
 
 
 def is_type_name(name: str) -> bool:
-    """Return whether a name, without the package, is that of a type in ROS 2."""
+    """Return whether ROS 2 allows a name, without the package, for a type."""
     return _ROS2.match(f"package/msg/{name}") is not None
 
 

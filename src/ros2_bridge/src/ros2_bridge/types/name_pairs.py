@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Pairs of type names of a ROS 1 package and of its counterpart with another name in ROS 2."""
+"""Pairs of type names of a ROS 1 package and its renamed counterpart in ROS 2."""
 
 import collections
 from typing import Dict, Iterable, List, NamedTuple
@@ -9,7 +9,7 @@ class NamePairs(NamedTuple):
     """Counterparts of the types of a ROS 1 package.
 
     :param found: ROS 2 name by ROS 1 name, both without the package
-    :param unclear: all names that match, by ROS 1 name, if these are too many for a pair
+    :param unclear: all names that match, by ROS 1 name, if more than one pair is possible
     """
 
     found: Dict[str, str]
@@ -17,9 +17,9 @@ class NamePairs(NamedTuple):
 
 
 def pair_names(ros1: Iterable[str], ros2: Iterable[str]) -> NamePairs:
-    """Pair equal names, and of the others those that differ in case and underscores only.
+    """Pair equal names; of the others, those that differ only in case and underscores.
 
-    ROS 2 requires CamelCase, so that ``signal_msg`` is ``SignalMsg`` there.
+    ROS 2 requires CamelCase: ``signal_msg`` is ``SignalMsg`` there.
 
     :param ros1, ros2: names of the types of one kind, without the package
     """
@@ -36,7 +36,7 @@ def pair_names(ros1: Iterable[str], ros2: Iterable[str]) -> NamePairs:
 
 
 def _by_letters(names: Iterable[str]) -> Dict[str, List[str]]:
-    """Return the names by their letters and digits in lower case."""
+    """Return the names, grouped by their lowercase letters and digits."""
     found: Dict[str, List[str]] = collections.defaultdict(list)
     for name in sorted(names):
         found[name.replace("_", "").lower()].append(name)

@@ -129,7 +129,7 @@ class TypeRegistry:
             raise MappingRuleError("; ".join(errors))
 
     def candidates(self) -> List[Tuple[str, str]]:
-        """Return kind and name of each ROS 1 type that may have a counterpart, by the rules too."""
+        """Return kind and name of each ROS 1 type in shared packages or in the rules."""
         own = [(rule.kind, rule.ros1) for rule in self._rules.own]
         return list(dict.fromkeys([*shared_types(self._rules.packages), *own]))
 
@@ -352,7 +352,7 @@ def _names_in_ros2(package: str, kind: str) -> List[str]:
     """Return the names of a ROS 2 package's types of one kind, without the package."""
     try:
         found = importlib.import_module(f"{package}.{kind}")
-    except ImportError:  # it has none
+    except ImportError:  # no types of this kind
         return []
     return [name for name in dir(found) if is_type_name(name)]
 

@@ -15,14 +15,14 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 class Companion:
     def __init__(self, node: Node) -> None:
-        # tf2: rospy's own threads fill the buffer, which any thread may read.
+        # tf2: rospy's own threads fill the buffer; any thread may read it.
         self.transforms = tf2_ros.Buffer()
         node.on_shutdown(tf2_ros.TransformListener(self.transforms).unregister)
         self.distance = node.create_publisher("distance", Float32)
         node.create_timer(10.0, self.measure)
 
-        # message_filters: the node's subscriptions feed the filters, so that the callback runs in
-        # the node's group.
+        # message_filters: the node's subscriptions feed the filters, so the callback runs in the
+        # node's group.
         self.difference = node.create_publisher("difference", Float32, latch=True)
         sides = [message_filters.SimpleFilter() for _ in range(2)]
         for name, side in zip(("left", "right"), sides):
@@ -33,7 +33,7 @@ class Companion:
         self.sizes = Sizes()
         node.create_subscription("anything", rospy.AnyMsg, self.sizes.add, group=self.sizes.group)
 
-        # subscriber_listener: a publisher of rospy, with the node's names and lifetime.
+        # subscriber_listener: a rospy publisher that uses the node's names and closes with it.
         summary = rospy.Publisher(
             node.resolve("summary"), String, queue_size=1, subscriber_listener=self.sizes
         )
@@ -61,7 +61,7 @@ class Companion:
 
 
 class Sizes(rospy.SubscribeListener):
-    """Count bytes, and send the sum to each new subscriber."""
+    """Counter of received bytes; sends the sum to each new subscriber."""
 
     def __init__(self) -> None:
         super().__init__()

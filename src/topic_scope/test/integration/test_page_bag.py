@@ -248,7 +248,7 @@ class Bag(unittest.TestCase):
         self.play(page, time=BEGIN + 15.001)
         wait_until(lambda: newest(14.95), lambda: fetch_image(url, "/camera"))
         problem = fetch_image(url, "/camera", time=str(BEGIN + 3.0))[0]["problem"]
-        self.assertEqual(problem, "no image at this time: the first is 6.05 s after it")
+        self.assertEqual(problem, "no image at this time: the first is 6.05 s later")
 
     @extended
     def test_the_page_shows_the_image_of_the_cursor(self) -> None:
@@ -280,12 +280,12 @@ class Bag(unittest.TestCase):
         wait_until(lambda: self.pixel(browser)[0] > 55, lambda: browser.text("#image-text"))
         self.play(page, time=BEGIN + 5.001, playing=False)
         browser.choose("#image-topic", "/yuv")
-        self.wait_text(browser, "#image-text", "the encoding 'yuv422' cannot be shown")
+        self.wait_text(browser, "#image-text", "unsupported encoding 'yuv422'")
         self.assertFalse(browser.find("#image").is_displayed())
         # It is in the address.
         wait_until(lambda: "yuv" in browser.driver.current_url, lambda: browser.driver.current_url)
         browser.driver.refresh()
-        self.wait_text(browser, "#image-text", "the encoding 'yuv422' cannot be shown")
+        self.wait_text(browser, "#image-text", "unsupported encoding 'yuv422'")
         self.assertEqual(browser.value("#image-topic"), "/yuv")
         browser.press("#show-images")
         self.assertFalse(browser.find("#images").is_displayed())
@@ -330,7 +330,7 @@ class Bag(unittest.TestCase):
         self.assertNotIn("clock of", browser.text(f"{row} .badge"))
         page.send("clock", topic="/camera", leader="/odom")
         error = page.wait_for("error")["text"]
-        self.assertIn("/odom has no clock of its own; the topics that have: /signal", error)
+        self.assertIn("/odom has no separate clock; topics with one: /signal", error)
         self.assertEqual(browser.errors(), [])
 
     def pixel(self, browser: Browser) -> Any:

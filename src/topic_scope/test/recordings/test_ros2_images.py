@@ -1,4 +1,4 @@
-"""Images of ROS 2 recordings, by the times at which the player puts them out."""
+"""Images of ROS 2 recordings, by the times at which the player outputs them."""
 
 from typing import Any, Dict
 

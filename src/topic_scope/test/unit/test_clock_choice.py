@@ -55,7 +55,7 @@ def samples(made: Recorder, name: str) -> Samples:
 
 
 def apart(made: Recorder, count: int = 100) -> List[float]:
-    """Return the times from the samples of /a to those of /b with the same values [s]."""
+    """Return the delays from samples of /a to those of /b with the same values [s]."""
     (first, one), (second, other) = (samples(made, name) for name in (A, B))
     assert one.tolist() == other.tolist() == list(range(count))
     return [round(float(time), 4) for time in second - first]
@@ -65,7 +65,7 @@ def choose(made: Recorder, topic: str, leader: str) -> None:
     made.streams.choose_clock(topic, leader)
 
 
-def test_topics_of_one_machine_are_put_on_one_clock_by_choice() -> None:
+def test_chosen_clock_places_topics_of_one_machine_together() -> None:
     made = received(machine(), A, B)
     assert made.streams.clock_topics() == ["/a", "/b"]
     assert apart(made) == [0.799] * 100
@@ -134,7 +134,7 @@ def test_topic_no_longer_moves_the_clock_that_it_has_left(
 
 
 @pytest.mark.parametrize("back", [50.0, 1.0])
-def test_line_of_both_ends_where_their_clock_is_set(back: float) -> None:
+def test_topics_stay_together_when_their_clock_is_set(back: float) -> None:
     watch = at(60, lambda made: choose(made, "/b", "/a"))
     made = received(machine(200, 100, back), A, B, watch=watch)
     assert apart(made, 200) == pytest.approx([0.0] * 200, abs=0.01)
@@ -177,21 +177,21 @@ def test_topic_whose_clock_was_chosen_is_still_received() -> None:
     assert made.streams.topics == ["/a"]
 
 
-def test_impossible_choices_are_rejected_with_the_possible_ones() -> None:
+def test_impossible_choice_is_rejected_with_the_possible_ones() -> None:
     made = received(machine(), A, B, f"{A}@received")
     with pytest.raises(FieldError, match="/c has no timestamps"):
         choose(made, "/c", "/a")
-    text = "/c has no clock of its own; the topics that have: /a"
+    text = "/c has no separate clock; topics with one: /a"
     with pytest.raises(FieldError, match=text):
         choose(made, "/b", "/c")
     choose(made, "/b", "/a")
-    text = "/b has no clock of its own; the topics that have: none"
+    text = "/b has no separate clock; topics with one: none"
     with pytest.raises(FieldError, match=text):  # they would follow each other
         choose(made, "/a", "/b")
     assert apart(made) == [0.0] * 100
 
 
-def test_topic_that_another_one_follows_keeps_its_clock(
+def test_topic_with_a_follower_cannot_follow(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setitem(TOPICS, "/c", "geometry_msgs/PointStamped")
@@ -200,7 +200,7 @@ def test_topic_that_another_one_follows_keeps_its_clock(
     made = received(sent, A, B, "/c/point/x")
     assert made.streams.clock_topics() == ["/a", "/b", "/c"]
     choose(made, "/b", "/c")
-    with pytest.raises(FieldError, match="/c keeps its clock, which was chosen for /b"):
+    with pytest.raises(FieldError, match="/c cannot follow another topic: /b follows it"):
         choose(made, "/c", "/a")
     choose(made, "/b", "")
     choose(made, "/c", "/a")

@@ -1,4 +1,4 @@
-"""Images that a session sends to its pages: of a time, or the reason why one is missing."""
+"""Images that a session sends to its pages, or the reasons why they are missing."""
 
 import asyncio
 import threading
@@ -26,7 +26,7 @@ TYPES = {TOPIC: "sensor_msgs/Image", "/x": "std_msgs/Float64"}
 
 
 class Source:
-    """Source of messages that a test gives."""
+    """Message source controlled by a test."""
 
     has_ended = False
 
@@ -92,7 +92,7 @@ class Scope:
         return run(self.feed.reply(ImageRequest(TOPIC, time, known)))
 
     def text(self, time: Optional[float] = None) -> str:
-        """Return why there is no image."""
+        """Return the reason why there is no image."""
         description, file = self.reply(time)
         assert file is None
         return str(description["problem"])
@@ -113,7 +113,7 @@ def loop() -> Iterator[None]:
 
 @pytest.fixture(autouse=True)
 def converted() -> Iterator[List[Tuple[int, str]]]:
-    """Grey values that are converted, and the thread that does it."""
+    """Yield the grey values of converted images, with the converting threads."""
     done: List[Tuple[int, str]] = []
 
     def convert(_layout: Any, message: bytes) -> Any:
@@ -124,7 +124,7 @@ def converted() -> Iterator[List[Tuple[int, str]]]:
         yield done
 
 
-def test_image_is_that_of_the_time_or_the_newest(converted: List[Tuple[int, str]]) -> None:
+def test_reply_has_the_image_at_the_time_or_the_newest(converted: List[Tuple[int, str]]) -> None:
     scope = Scope()
     scope.send(1, 2, 3, delay=0.25)
     for time, grey in ((NOW + 0.75, 1), (NOW + 1.74, 1), (NOW + 1.75, 2), (NOW + 9.0, 3)):
@@ -133,13 +133,13 @@ def test_image_is_that_of_the_time_or_the_newest(converted: List[Tuple[int, str]
         assert description["time"] == pytest.approx(NOW + grey - 0.25, abs=1e-6)
         assert description["text"] == f"grey {grey}" and description["correction"] is None
     assert scope.reply()[1] == scope.reply(NOW + 9.0)[1]
-    assert scope.text(NOW + 0.7) == "no image at this time: the first is 0.05 s after it"
-    # Never in the thread that asks, and once for all pages.
+    assert scope.text(NOW + 0.7) == "no image at this time: the first is 0.05 s later"
+    # Not in the requesting thread, and once for all pages.
     assert [grey for grey, _ in converted] == [1, 2, 3]
     assert all(name.startswith("images") for _, name in converted)
 
 
-def test_image_of_another_clock_is_placed_as_a_trace_is(converted: List[Tuple[int, str]]) -> None:
+def test_image_of_another_clock_is_placed_like_a_trace(converted: List[Tuple[int, str]]) -> None:
     scope = Scope()
     scope.recorder.want(["/camera/image/height"], NOW)
     for second in range(4):
@@ -187,12 +187,12 @@ def test_topic_is_requested_only_while_a_page_shows_it() -> None:
     assert scope.text() == f"images of {TOPIC} are not received: no page shows them"
 
 
-def test_topic_that_appears_later_is_requested_then() -> None:
+def test_topic_that_appears_later_is_requested() -> None:
     scope = Scope()
     scope.choose(scope.pages[0], "/later")
     assert scope.source.wanted == []
     description, _ = run(scope.feed.reply(ImageRequest("/later", None, "")))
-    assert description["problem"] == "there is no topic /later yet"
+    assert description["problem"] == "the topic /later does not exist yet"
     scope.recorder.set_topics({**TYPES, "/later": "sensor_msgs/Image"})
     scope.feed.update()
     assert scope.source.wanted == ["/later"]
@@ -209,7 +209,7 @@ def test_dropped_image_is_read_again_or_has_a_reason(
     scope = Scope()
     scope.send(1, 2, 3)
     assert scope.text(NOW + 1.0) == (
-        "the image of this time was dropped: the scope keeps 128 MB of images, from 2 s after it on"
+        "the image at this time was dropped: the scope keeps 128 MB of images, the first 2 s later"
     )
     read_again = mock.Mock(return_value=b"again\7")
     scope = Scope(read_again)
@@ -219,7 +219,7 @@ def test_dropped_image_is_read_again_or_has_a_reason(
     read_again.assert_called_once_with(TOPIC, to_ns(NOW + 1.0))
 
 
-def test_paused_page_keeps_its_images_longest(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_images_of_a_paused_page_are_dropped_last(monkeypatch: "pytest.MonkeyPatch") -> None:
     scope = Scope()
     scope.send(1)
     size = len(serialized(Image(encoding="mono8", data=b"x")))
@@ -242,12 +242,12 @@ def test_paused_page_keeps_its_images_longest(monkeypatch: "pytest.MonkeyPatch")
 def test_image_that_cannot_be_shown_has_its_time_and_the_reason() -> None:
     scope = Scope()
     scope.send(1)
-    problem = image_feed.ImageProblem("the encoding 'x' cannot be shown")
+    problem = image_feed.ImageProblem("unsupported encoding 'x'")
     with mock.patch("topic_scope.web.image_feed.shown_image", side_effect=problem):
         description, file = scope.reply()
-    assert file is None and description["problem"] == "the encoding 'x' cannot be shown"
+    assert file is None and description["problem"] == "unsupported encoding 'x'"
     assert description["time"] == pytest.approx(NOW + 1.0)
-    assert scope.reply()[1] is not None  # the next attempt is independent of it
+    assert scope.reply()[1] is not None  # the next request succeeds
 
 
 def test_jump_of_the_clock_drops_all_images() -> None:

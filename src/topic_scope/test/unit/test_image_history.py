@@ -1,4 +1,4 @@
-"""Kept images of a topic: the image of a time, bytes, pins, and clocks that are set."""
+"""History of images: lookup by time, limit in bytes, pins, and clocks that are set."""
 
 from typing import Dict, List, Optional, Tuple
 
@@ -54,7 +54,7 @@ def test_image_of_a_time_is_the_latest_at_or_before_it(times: List[int], asked: 
     st.tuples(st.integers(0, 50), st.integers(0, 50)),
     st.integers(0, 40),
 )
-def test_messages_stay_within_the_bytes_and_pinned_ones_stay_longest(
+def test_messages_beyond_the_limit_are_dropped_pinned_ones_last(
     sizes: Dict[int, int], pinned: Tuple[int, int], most: int
 ) -> None:
     images, kept = history(most), set()
@@ -79,7 +79,7 @@ def test_dropped_image_keeps_its_time() -> None:
     assert found is not None and (found.received, found.layout) == (1, LAYOUT)
 
 
-def test_image_larger_than_the_bytes_is_kept_until_the_next() -> None:
+def test_image_larger_than_the_limit_is_kept_until_the_next() -> None:
     images = history(3)
     add(images, [(1, 1, b"large")])
     assert message_at(images, 1) == b"large"
@@ -135,7 +135,7 @@ def test_messages_before_a_layout_are_ignored() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_topics_share_the_bytes(count: int) -> None:
+def test_topics_share_the_limit(count: int) -> None:
     names = [f"/{place}" for place in range(count)]
     made = histories(names, {}, 5.0)
     assert [made[name].most for name in names] == [MOST_BYTES // count] * count
@@ -143,7 +143,7 @@ def test_topics_share_the_bytes(count: int) -> None:
     assert fewer == {names[0]: made[names[0]]} and fewer[names[0]].most == MOST_BYTES
 
 
-def test_topic_that_shares_with_another_one_drops_messages_immediately() -> None:
+def test_lower_limit_drops_messages_immediately() -> None:
     (name, images), *_ = histories(["/a"], {}, 5.0).items()
     images.read_as(LAYOUT)
     half = bytes(MOST_BYTES // 2)

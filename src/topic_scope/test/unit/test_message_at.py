@@ -1,4 +1,4 @@
-"""Single messages of a recording, read again at the times at which the player put them out."""
+"""Single messages of a recording, found by the times at which the player outputs them."""
 
 from pathlib import Path
 from typing import Dict, List
@@ -30,7 +30,7 @@ def path(tmp_path_factory: "pytest.TempPathFactory") -> str:
 
 
 def played(path: str, topic: str) -> Dict[int, bytes]:
-    """Return all messages of a topic, by the times at which the player puts them out."""
+    """Return all messages of a topic, by the times at which the player outputs them."""
     found: Dict[int, bytes] = {}
     with Ros1Recording(path) as bag:
         player = BagPlayer(bag, 10.0, lambda: 0.0)

@@ -34,7 +34,7 @@ def test_other_compressed_format_is_named(data: bytes) -> None:
     message = CompressedImage(format="16UC1; compressedDepth", data=data)
     with pytest.raises(ImageProblem) as caught:
         shown_image(layout_of(CompressedImage), serialized(message))
-    text = "the format '16UC1; compressedDepth' cannot be shown; shown are JPEG and PNG files"
+    text = "unsupported format '16UC1; compressedDepth'; supported are JPEG and PNG files"
     assert str(caught.value) == text
 
 
@@ -42,7 +42,7 @@ def test_truncated_message_and_other_types_have_a_reason() -> None:
     whole = serialized(Image(height=2, width=3, encoding="mono8", step=3, data=bytes(6)))
     with pytest.raises(ImageProblem, match="the message is cut off: an array ends beyond"):
         shown_image(layout_of(Image), whole[:-1])
-    with pytest.raises(ImageProblem, match="sensor_msgs/Imu is not an image; shown are sensor_msg"):
+    with pytest.raises(ImageProblem, match="sensor_msgs/Imu is not an image type; supported are s"):
         shown_image(layout_of(Imu), serialized(Imu()))
     number = Image._full_text.partition("=" * 80)[0].replace("string encoding", "int8 encoding")
     for other in ("uint32 height\nuint32 width\n", number.replace("Header", "uint32")):

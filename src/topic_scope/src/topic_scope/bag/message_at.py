@@ -1,4 +1,4 @@
-"""Random access to the messages of a recording, for messages that the player has passed."""
+"""Random access to the messages of a recording, for those that the player has passed."""
 
 from typing import List, Optional
 
@@ -9,15 +9,15 @@ from topic_scope.bag.player import distinct_times
 from topic_scope.bag.recording import ConnectionMessages, Recording
 from topic_scope.timing.nanoseconds import NS
 
-#: Messages recorded within this time before a message may have delayed it: the player puts out
-#: messages with equal times one after the other [ns].
+#: Messages recorded within this time before a message may have delayed it: the player spreads
+#: messages with equal times [ns].
 _BEFORE_NS = NS // 1000
 
 
 class MessageFinder:
-    """Finder of single messages; opens the recording itself, so any one thread may use it.
+    """Finder of single messages, with its own access to the recording; for use by one thread.
 
-    :param path: the file
+    :param path: the recording
     """
 
     def __init__(self, path: str) -> None:
@@ -25,11 +25,11 @@ class MessageFinder:
         self._bag: Optional[Recording] = None
 
     def find(self, topic: str, time: int) -> Optional[bytes]:
-        """Return the message that the player puts out at a time.
+        """Return the message that the player outputs at a time.
 
         :param topic: global name
         :param time: as in the player's batches [ns]
-        :returns: the message; None without one
+        :returns: the serialized message; None if there is none
         :raises BagError: if the recording is damaged
         """
         if self._bag is None:

@@ -9,20 +9,20 @@ from typing import Any, List, Mapping, NamedTuple, Tuple
 
 import numpy
 
-#: Longest side of a converted image [pixels]; of larger ones, only each n-th pixel is taken.
+#: Longest side of a converted image [pixels]; larger images are subsampled.
 LONGEST_SIDE = 1024
-#: Encodings with colours: their channels in the order red, green, blue, alpha.
+#: Encodings with named channels: their indices in the order red, green, blue, alpha.
 _COLOURS = {"mono": (0,), "rgb": (0, 1, 2), "bgr": (2, 1, 0), "rgba": (0, 1, 2, 3)}
 _COLOURS["bgra"] = (2, 1, 0, 3)
-#: Encodings without colours, by number of channels: what they are shown as.
+#: Encoding as which unnamed channels are shown, by their number.
 _UNNAMED = {1: "mono", 3: "bgr", 4: "bgra"}
 _KINDS = {"U": "u", "S": "i", "F": "f"}
 _NAMED = re.compile(r"(mono|rgba?|bgra?)(8|16)\Z")
 _BAYER = re.compile(r"bayer_(rggb|bggr|gbrg|grbg)(8|16)\Z")
 _PLAIN = re.compile(r"(8|16|32|64)([USF])C([134])?\Z")
 _SHOWN = (
-    "shown are mono, rgb, bgr, rgba, bgra and bayer_ with 8 or 16 bits, 8UC1, 8UC3, 8UC4, and "
-    "numbers of one channel such as 16UC1 and 32FC1"
+    "supported are mono, rgb, bgr, rgba, bgra and bayer_ with 8 or 16 bits, 8UC1, 8UC3, 8UC4, and "
+    "numbers with one channel such as 16UC1 and 32FC1"
 )
 
 
@@ -33,7 +33,7 @@ class ImageProblem(ValueError):
 class ConvertedImage(NamedTuple):
     """Pixels for a browser.
 
-    :param pixels: uint8, of shape (height, width, 1, 3 or 4)
+    :param pixels: uint8, of shape (height, width, channels), with 1, 3 or 4 channels
     :param notes: texts about the conversion
     """
 
@@ -48,8 +48,8 @@ class _Encoding(NamedTuple):
     :param channels: number of channels in the message
     :param order: channels in the order red, green, blue, alpha
     :param bayer: colours of a block of 2 x 2 pixels by rows; empty for other encodings
-    :param scaled: whether the range of the numbers is shown as black to white
-    :param notes: texts about its interpretation
+    :param scaled: whether the range of the numbers is scaled to black to white
+    :param notes: texts about the interpretation
     """
 
     number: numpy.dtype
@@ -64,7 +64,7 @@ def convert(image: Mapping[str, Any]) -> ConvertedImage:
     """Return the pixels of a message.
 
     :param image: fields of a sensor_msgs/Image; ``data`` as a numeric array
-    :raises ImageProblem: if its encoding is not supported, or its data do not fit its size
+    :raises ImageProblem: if the encoding is not supported, or the data do not match the size
     """
     encoding = _encoding_of(image["encoding"])
     pixels = _rows_of(image, encoding)
@@ -98,11 +98,11 @@ def _encoding_of(name: str) -> _Encoding:
         bits, kind, channels = match.group(1), match.group(2), int(match.group(3) or 1)
         shown = _UNNAMED[channels]
         if (bits, kind) == ("8", "U"):
-            notes = () if channels == 1 else (f"channels taken as {shown}8",)
+            notes = () if channels == 1 else (f"channels interpreted as {shown}8",)
             return _Encoding(_number("u", "8"), channels, _COLOURS[shown], "", False, notes)
         if channels == 1 and (bits, kind) not in (("8", "F"), ("16", "F")):
             return _Encoding(_number(_KINDS[kind], bits), 1, (0,), "", True)
-    raise ImageProblem(f"the encoding {name[:40]!r} cannot be shown; {_SHOWN}")
+    raise ImageProblem(f"unsupported encoding {name[:40]!r}; {_SHOWN}")
 
 
 def _number(kind: str, bits: str) -> numpy.dtype:
@@ -110,7 +110,7 @@ def _number(kind: str, bits: str) -> numpy.dtype:
 
 
 def _rows_of(image: Mapping[str, Any], encoding: _Encoding) -> numpy.ndarray:
-    """Return the numbers of a message, of shape (height, width, channels), without a copy."""
+    """Return the numbers of a message, of shape (height, width, channels), without copying."""
     height, width, step = (int(image[name]) for name in ("height", "width", "step"))
     data: numpy.ndarray = image["data"]
     if not height or not width:
@@ -128,7 +128,7 @@ def _rows_of(image: Mapping[str, Any], encoding: _Encoding) -> numpy.ndarray:
 
 
 def _range_of(pixels: numpy.ndarray) -> Tuple[float, float, int]:
-    """Return least and largest finite number, and how many are not finite."""
+    """Return the smallest and the largest finite number, and how many are not finite."""
     if pixels.dtype.kind != "f":
         return float(pixels.min()), float(pixels.max()), 0
     finite = numpy.isfinite(pixels)
@@ -140,7 +140,7 @@ def _range_of(pixels: numpy.ndarray) -> Tuple[float, float, int]:
 
 
 def _scaled(pixels: numpy.ndarray, low: float, high: float) -> numpy.ndarray:
-    """Return numbers from low to high as 0 to 255; 0 for others."""
+    """Return numbers from low to high scaled to 0 to 255; 0 for those that are not finite."""
     numbers = pixels.astype(numpy.float64)
     # Halved, so that the difference of large numbers is not infinite.
     span = high / 2.0 - low / 2.0
@@ -154,7 +154,7 @@ def _eight_bits(pixels: numpy.ndarray) -> numpy.ndarray:
 
 
 def _blocks(pixels: numpy.ndarray) -> numpy.ndarray:
-    """Return the four pixels of each block of 2 x 2; an odd last row or column is left out."""
+    """Return the four pixels of each 2 x 2 block, without an odd last row or column."""
     height, width = (side // 2 * 2 for side in pixels.shape)
     if not height or not width:
         raise ImageProblem("a Bayer pattern needs at least 2 × 2 pixels")
@@ -164,7 +164,7 @@ def _blocks(pixels: numpy.ndarray) -> numpy.ndarray:
 
 
 def _demosaiced(blocks: numpy.ndarray, bayer: str) -> numpy.ndarray:
-    """Return one pixel of each block: its red, the mean of its greens, its blue."""
+    """Return one pixel for each block: its red, the mean of its greens, its blue."""
     eight = _eight_bits(blocks)
     first, second = (place for place, colour in enumerate(bayer) if colour == "g")
     green = (eight[:, :, first].astype(numpy.uint16) + eight[:, :, second]) // 2
@@ -173,8 +173,8 @@ def _demosaiced(blocks: numpy.ndarray, bayer: str) -> numpy.ndarray:
 
 
 def _thinned(pixels: numpy.ndarray, finish: Any, notes: List[str]) -> ConvertedImage:
-    """Take each n-th pixel of a large image, then convert these."""
+    """Convert an image, reduced to every n-th pixel if it is large."""
     every = -(-max(pixels.shape[:2]) // LONGEST_SIDE)
     if every > 1:
-        notes = [*notes, f"reduced to 1/{every} by leaving out pixels"]
+        notes = [*notes, f"subsampled by {every}"]
     return ConvertedImage(finish(pixels[::every, ::every]), notes)

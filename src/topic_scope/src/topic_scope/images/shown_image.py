@@ -8,7 +8,7 @@ from topic_scope.images.png import to_png
 from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.message_reader import MessageReader, TruncatedMessage
 
-#: Types of images, and their fields; a publisher may have another definition.
+#: Image types and their fields; a publisher may have another definition.
 _FIELDS = {
     "sensor_msgs/Image": {
         **{"height": "uint32", "width": "uint32", "encoding": "string"},
@@ -44,7 +44,9 @@ def shown_image(layout: MessageLayout, message: bytes) -> ShownImage:
     """
     types = {name: field.datatype for name, field in layout.fields}
     if not types.items() >= _FIELDS.get(layout.datatype, {"": ""}).items():
-        raise ImageProblem(f"{layout.datatype} is not an image; shown are {' and '.join(TYPES)}")
+        raise ImageProblem(
+            f"{layout.datatype} is not an image type; supported are {' and '.join(TYPES)}"
+        )
     try:
         image = MessageReader(layout).read(message)
     except TruncatedMessage as error:
@@ -60,4 +62,4 @@ def _compressed(name: str, data: bytes) -> ShownImage:
     for start, media_type in _FILES.items():
         if data.startswith(start):
             return ShownImage(media_type, data, f"{name[:60]}, {len(data) / 1000:.4g} kB")
-    raise ImageProblem(f"the format {name[:60]!r} cannot be shown; shown are JPEG and PNG files")
+    raise ImageProblem(f"unsupported format {name[:60]!r}; supported are JPEG and PNG files")

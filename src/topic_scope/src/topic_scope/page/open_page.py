@@ -36,7 +36,7 @@ class Page:
         #: Names as the page selected them; None until it has selected any.
         self.chosen: Optional[Tuple[str, ...]] = None
         self.wants_graph = False
-        #: Topic whose images it shows; empty for none.
+        #: Topic whose images the page shows; empty for none.
         self.image_topic = ""
         #: Whether its next frame includes statistics.
         self.is_to_measure = False

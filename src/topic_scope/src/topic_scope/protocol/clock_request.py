@@ -7,10 +7,10 @@ from topic_scope.protocol.checks import name_of
 
 
 class ClockRequest(NamedTuple):
-    """Use the clock of another topic.
+    """Request to use the clock of another topic.
 
-    :param topic: the topic whose samples are placed by it
-    :param leader: the topic whose clock it is; empty to estimate the clock
+    :param topic: the topic whose samples are placed
+    :param leader: the topic whose clock is used; empty to estimate the clock
     """
 
     topic: str

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Recent image messages of topics, within a number of bytes."""
+"""Recent image messages of topics, limited in bytes."""
 
 import bisect
 from typing import Collection, Dict, List, Mapping, NamedTuple, Optional
@@ -11,7 +11,7 @@ from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.timing.nanoseconds import shifted, to_ns
 
 
-#: Most bytes of image messages, of all topics together.
+#: Maximum size of the image messages of all topics together [bytes].
 MOST_BYTES = 128 * 10**6
 
 
@@ -19,7 +19,7 @@ class StoredImage(NamedTuple):
     """Image message, or the times of a dropped one.
 
     :param time: its time, by the clock of its topic [ns]
-    :param received: when it was received [ns], unique in a topic
+    :param received: time of receipt [ns], unique within a topic
     :param layout: its layout
     :param message: the serialized message; None if it was dropped
     """
@@ -33,8 +33,8 @@ class StoredImage(NamedTuple):
 class ImageHistory:
     """Recent image messages; a :class:`.MessageSink`.
 
-    Times are kept for the time of the history; the messages only within the number of bytes, and
-    always the newest. Messages in the pinned span are dropped last.
+    Times are kept for the length of the history, messages only up to a number of bytes, but always
+    the newest. Messages in the pinned span are dropped last.
 
     :param history: how long times are kept [s]
     """
@@ -52,7 +52,7 @@ class ImageHistory:
         self._pinned = NOWHERE
 
     def read_as(self, layout: MessageLayout) -> None:
-        """Take messages of this layout from now on."""
+        """Read messages with this layout from now on."""
         self._layout = layout
 
     def add(
@@ -77,12 +77,12 @@ class ImageHistory:
         self._pinned = shifted(self._pinned[0], by), shifted(self._pinned[1], by)
 
     def pin(self, start: int, end: int) -> None:
-        """Set the span whose messages are dropped last [ns]; before its start for none."""
+        """Set the span whose messages are dropped last [ns]; an end before the start for none."""
         self._pinned = start, end
 
     @property
     def most(self) -> int:
-        """Most bytes of messages."""
+        """Maximum size of the messages [bytes]."""
         return self._most
 
     @most.setter
@@ -92,11 +92,11 @@ class ImageHistory:
 
     @property
     def newest(self) -> Optional[StoredImage]:
-        """The image that was received last; None without any."""
+        """The image that was received last; None without images."""
         return self._kept[next(reversed(self._kept))] if self._kept else None
 
     def at(self, time: int) -> Optional[StoredImage]:
-        """Return the latest image at or before a time [ns]; None without one."""
+        """Return the latest image at or before a time [ns]; None if there is none."""
         place = bisect.bisect_right(self._times, time) - 1
         if place < 0 or self._layout is None:
             return None
@@ -111,7 +111,7 @@ class ImageHistory:
 
     @property
     def first_kept(self) -> Optional[int]:
-        """Earliest time of an image that is not dropped [ns]; None without any."""
+        """Earliest time of an image that was not dropped [ns]; None without such images."""
         return min((one.time for one in self._kept.values()), default=None)
 
     def _forget(self, before: int) -> None:
@@ -128,7 +128,7 @@ class ImageHistory:
             del self._times[place], self._received[place]
 
     def _drop(self) -> None:
-        """Drop messages, oldest first, until the others are within the number of bytes."""
+        """Drop messages, oldest first, until the rest is within the limit."""
         if self._bytes <= self._most:
             return
         for pinned in (False, True):
@@ -151,10 +151,10 @@ class ImageHistory:
 def histories(
     topics: Collection[str], before: Mapping[str, ImageHistory], history: float
 ) -> Dict[str, ImageHistory]:
-    """Return the histories of topics, which share :data:`MOST_BYTES`.
+    """Return the histories of topics, which share :data:`MOST_BYTES` equally.
 
     :param topics: their names
-    :param before: the previous histories, of which those of these topics continue
+    :param before: the previous histories; those of the same topics are kept
     :param history: how long times are kept [s]
     """
     made = {topic: before.get(topic) or ImageHistory(history) for topic in topics}

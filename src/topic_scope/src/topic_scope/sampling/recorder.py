@@ -87,7 +87,7 @@ class Recorder:
         self._latest: Dict[str, Tuple[MessageLayout, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[OfferedField]] = {}
         self._traces: Dict[str, Trace] = {}
-        #: Streams of the topics, with the choices of their clocks.
+        #: Streams of the topics, with the chosen clocks.
         self.streams = Streams()
         self._images: Dict[str, ImageHistory] = {}
         #: Time up to which each shown formula was known at the latest update [s].
@@ -191,7 +191,7 @@ class Recorder:
         self._request(any(type(one) is Trace for one in begun))
 
     def want_images(self, topics: Collection[str]) -> None:
-        """Keep the images of these topics, and of no others."""
+        """Record the images of these topics, and of no others."""
         known = {*self._types, *self._images} - self._overlaid.keys()
         before = self._images
         self._images = histories(known & set(topics), before, self.history)
@@ -259,7 +259,7 @@ class Recorder:
         self._repeat_latest(stream)
 
     def _repeat_latest(self, stream: Stream) -> None:
-        """Give a new stream the latest message: a latched message arrives only once."""
+        """Add the latest message to a new stream: a latched message arrives only once."""
         if not stream.has_begun and stream.topic in self._latest:
             stream.add(*self._latest[stream.topic])
 
@@ -268,11 +268,11 @@ class Recorder:
         return topic in self._types
 
     def is_overlaid(self, topic: str) -> bool:
-        """Return whether a topic is of an overlaid bag."""
+        """Return whether a topic belongs to an overlaid bag."""
         return topic in self._overlaid
 
     def images(self, topic: str) -> Optional[Tuple[ImageHistory, Stream]]:
-        """Return the kept images of a topic, and the stream that places them; None for others."""
+        """Return the images of a topic and their stream; None if they are not recorded."""
         images = self._images.get(topic)
         return None if images is None else (images, self.streams.get(topic))
 

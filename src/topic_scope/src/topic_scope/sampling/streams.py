@@ -17,7 +17,7 @@ class Streams:
     def __init__(self) -> None:
         self.clocks = Clocks()
         self._streams: Dict[Tuple[str, str], Stream] = {}
-        #: Topics whose clock the user has chosen, and the topics that have it.
+        #: Topics whose clocks are used, by the topics for which the user chose them.
         self._leaders: Dict[str, str] = {}
 
     def __iter__(self) -> Iterator[Stream]:
@@ -25,11 +25,11 @@ class Streams:
 
     @property
     def topics(self) -> List[str]:
-        """Topics of the streams; a topic with several timestamp sources several times."""
+        """Topics of the streams; a topic appears once for each of its timestamp sources."""
         return [topic for topic, _ in self._streams]
 
     def get(self, topic: str, timestamp: str = "") -> Stream:
-        """Return the stream of a topic; creates a missing one.
+        """Return the stream of a topic; create it if it is missing.
 
         :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`
         """
@@ -40,7 +40,7 @@ class Streams:
         return self._streams[topic, timestamp]
 
     def keep(self, sinks: Collection[MessageSink]) -> None:
-        """Drop all other sinks, and streams that are not needed any longer."""
+        """Drop all other sinks, and streams that are no longer needed."""
         for stream in self:
             stream.sinks = [sink for sink in stream.sinks if sink in sinks]
         used = {stream for stream in self if stream.sinks}
@@ -52,7 +52,7 @@ class Streams:
         self._streams, self.clocks = {}, Clocks()
 
     def clock_topics(self) -> List[str]:
-        """Return a topic of each estimated clock other than the scope's, the first by its name."""
+        """Return a topic of each estimated clock except the scope's: the first by name."""
         found: Dict[Clock, str] = {}
         for (topic, timestamp), stream in sorted(self._streams.items()):
             clock = stream.present_clock()
@@ -73,10 +73,10 @@ class Streams:
         known = [one for one in self.clock_topics() if one != topic]
         if leader and leader not in known:
             others = ", ".join(known) or "none"
-            raise FieldError(f"{leader} has no clock of its own; the topics that have: {others}")
+            raise FieldError(f"{leader} has no separate clock; topics with one: {others}")
         followers = [one for one, other in self._leaders.items() if other == topic]
         if leader and followers:
-            raise FieldError(f"{topic} keeps its clock, which was chosen for {followers[0]}")
+            raise FieldError(f"{topic} cannot follow another topic: {followers[0]} follows it")
         self._leaders.pop(topic, None)
         if leader:
             self._leaders[topic] = leader

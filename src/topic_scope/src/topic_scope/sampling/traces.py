@@ -29,7 +29,7 @@ class MessageSink(Protocol):
     """Receiver of the placed messages of a stream."""
 
     def read_as(self, layout: MessageLayout) -> None:
-        """Take messages of this layout from now on."""
+        """Read messages with this layout from now on."""
 
     def add(
         self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
@@ -53,8 +53,8 @@ class Stream:
     :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`
     :param clocks: the clocks of all topics
 
-    :ivar sinks: the recorded traces, and perhaps images
-    :ivar leader: stream of the topic whose clock the user has chosen; None without one
+    :ivar sinks: the recorded traces and images
+    :ivar leader: stream of the topic whose clock the user chose; None without a choice
     """
 
     def __init__(self, topic: str, timestamp: str, clocks: Optional[Clocks] = None) -> None:
@@ -73,7 +73,7 @@ class Stream:
 
     @property
     def has_begun(self) -> bool:
-        """Whether it has had a message."""
+        """Whether the stream has received a message."""
         return self._layout is not None
 
     @property
@@ -87,7 +87,7 @@ class Stream:
         self._time.choose(None if leader is None else leader.present_clock)
 
     def present_clock(self) -> Clock:
-        """Return the clock of the stamps; another one after the clock is set."""
+        """Return the current clock of the stamps; it changes when the clock is set."""
         return self._time.clock
 
     @property
@@ -120,7 +120,7 @@ class Stream:
         return trace
 
     def attach(self, sink: MessageSink) -> None:
-        """Give the messages from now on to an additional sink, and the latest before."""
+        """Add a sink for the latest message and all later ones."""
         if self._layout is not None:
             sink.read_as(self._layout)
         if self._latest is not None:  # the only message of a latched topic

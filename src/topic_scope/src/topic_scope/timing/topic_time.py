@@ -98,9 +98,9 @@ class TopicTime:
         self._attached_at = 0
         self._newest = NO_TIME
         self._step = self._alone = self._moved = 0
-        #: Returns the clock of the topic that the user chose; None to estimate it.
+        #: Function that returns the chosen clock; None to estimate the clock.
         self._chosen_clock: Optional[Callable[[], Clock]] = None
-        #: How much later than by that clock messages are received [ns].
+        #: Delay of messages relative to the chosen clock [ns].
         self._delay = 0
         #: Offset of the clock when it was last set [ns]; None before.
         self._jumped_to: Optional[int] = None
@@ -111,11 +111,11 @@ class TopicTime:
         return max(_PATIENCE_NS, _PATIENCE_STEPS * self._step)
 
     def choose(self, clock: Optional[Callable[[], Clock]]) -> None:
-        """Use the clock of another topic, which this topic does not affect, or estimate it again.
+        """Use the clock of another topic, without affecting it, or estimate the clock again.
 
-        Samples are placed again, also earlier ones.
+        All samples are placed again, including earlier ones.
 
-        :param clock: returns the clock; None to estimate it
+        :param clock: function that returns the clock; None to estimate it
         """
         self._chosen_clock = clock
         if not self.has_stamps:
@@ -130,9 +130,9 @@ class TopicTime:
         self._moved = 0
 
     def _follow(self, clock: Clock, own: numpy.ndarray, received: numpy.ndarray) -> None:
-        """Switch to a chosen clock that was set, as soon as the stamps are by it.
+        """Switch to a chosen clock that was set, as soon as the stamps follow it.
 
-        Earlier samples stay where they are.
+        Earlier samples keep their places.
         """
         there = own != NO_TIME
         if clock is self.clock or not there.any():
@@ -145,9 +145,9 @@ class TopicTime:
     def _follows_chosen(
         self, own: numpy.ndarray, received: numpy.ndarray, left: Optional[Clock]
     ) -> bool:
-        """Return whether stamps are by the chosen clock.
+        """Return whether stamps follow the chosen clock.
 
-        They are not from when they were set until the other topic is received.
+        After the clock was set, they do not until a message of the other topic is received.
         """
         if self._chosen_clock is None:
             return False

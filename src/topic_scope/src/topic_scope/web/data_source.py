@@ -65,7 +65,7 @@ class DataSource(Protocol):
 
     @property
     def read_again(self) -> Optional[Callable[[str, int], Optional[bytes]]]:
-        """Reader of earlier messages, by topic and time of receipt [ns]; None without one.
+        """Reader of earlier messages, by topic and time of receipt [ns]; None if not supported.
 
-        It is for any one thread; it returns None if there is no such message.
+        For use by one thread. It returns None if there is no such message.
         """

@@ -77,7 +77,7 @@ class FieldSelection:
         self.pin()
 
     def choose_clock(self, topic: str, leader: str) -> None:
-        """Place the samples of a topic by the clock of another one, on all pages.
+        """Place the samples of a topic by the clock of another topic, on all pages.
 
         :param leader: the other topic; empty to estimate the clock
         :raises FieldError: if a topic does not have a clock

@@ -128,7 +128,7 @@ class CsvData(tornado.web.RequestHandler):
 class ImageData(tornado.web.RequestHandler):
     """Handler of requests for images.
 
-    The header Image-Description of the response describes the image, or the problem, in JSON.
+    The response header Image-Description describes the image or the problem, as JSON.
 
     :param holder: holder of the current scope
     """
@@ -143,7 +143,7 @@ class ImageData(tornado.web.RequestHandler):
         set_strict_headers(self)
 
     async def get(self) -> None:
-        """Send the image of a topic and a time, unless the page has it already."""
+        """Send the image of a topic at a time, unless the page already has it."""
         names = [name for name in ("topic", "time", "known") if self.get_arguments(name)]
         try:
             wanted = image_request_of({name: self.get_argument(name) for name in names})
@@ -151,7 +151,7 @@ class ImageData(tornado.web.RequestHandler):
             raise tornado.web.HTTPError(400, str(error)) from None
         description, file = await self._scope.image(wanted)
         self.set_header("Cache-Control", "no-store")
-        self.set_header("Cross-Origin-Resource-Policy", "same-origin")  # not on pages of others
+        self.set_header("Cross-Origin-Resource-Policy", "same-origin")  # not for other sites
         self.set_header("Image-Description", json.dumps(description))
         if file is None:
             self.set_status(204)

@@ -60,7 +60,7 @@ class PlaceholderScope:
         """Ignore a request: a page repeats its requests to the scope session."""
 
     async def image(self, _request: ImageRequest) -> ImageReply:
-        """Return only the reason: there are no images."""
+        """Return the reason why there is no image."""
         return ImageReply({"problem": "the scope waits for the ROS master"})
 
     async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:

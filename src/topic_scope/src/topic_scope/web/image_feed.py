@@ -1,4 +1,4 @@
-"""Images of topics that pages show: chosen by time, and converted outside the web thread."""
+"""Images of the topics that pages show: selected by time, converted outside the web thread."""
 
 import asyncio
 import math
@@ -16,16 +16,16 @@ from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
 
 _NEVER = (math.inf, -math.inf)
-#: Reads a dropped message again, by topic and time of receipt [ns]; None if it is lost.
+#: Function that reads a dropped message again, by topic and time of receipt [ns]; None if lost.
 ReadAgain = Callable[[str, int], Optional[bytes]]
 
 
 class ImageReply(NamedTuple):
     """Reply to a request for an image.
 
-    :param description: ``problem``: why there is no image, or its ``time`` [s], ``known``: its
-        name, and ``text``: its description
-    :param file: the image; None if there is a problem, or the page has it already
+    :param description: ``time`` [s] of the image, ``known`` (its name), ``text`` (its description)
+        and ``correction`` of its stamp, or ``problem``, the reason why there is no image
+    :param file: the image; None if there is a problem, or the page already has it
     """
 
     description: Dict[str, Any]
@@ -33,14 +33,14 @@ class ImageReply(NamedTuple):
 
 
 class ImageFeed:
-    """Images of the topics that pages show; their messages are requested only meanwhile.
+    """Images of the topics that pages show; a topic is recorded only while a page shows it.
 
-    All methods are for the web thread; images are converted in another, one at a time.
+    All methods are for the web thread; images are converted in another one, one at a time.
 
-    :param recorder: keeps the messages
-    :param pages: returns the open pages
-    :param read_again: reads dropped messages; None if they are lost, as on a live graph
-    :param refresh: makes the data source check immediately for new topics
+    :param recorder: recorder of the messages
+    :param pages: function that returns the open pages
+    :param read_again: reader of dropped messages; None if they are lost, as on a live graph
+    :param refresh: function that makes the data source check immediately for new topics
     """
 
     def __init__(
@@ -66,12 +66,12 @@ class ImageFeed:
         self._refresh()
 
     def update(self) -> None:
-        """Request the topics that pages show, as far as they exist."""
+        """Request the existing topics among those that pages show."""
         self._recorder.want_images({page.image_topic for page in self._pages()} - {""})
         self.pin()
 
     def pin(self) -> None:
-        """Drop the images that paused pages show last."""
+        """Pin the images in view of paused pages, so that they are dropped last."""
         spans: Dict[str, Tuple[float, float]] = {}
         for page in self._pages():
             if page.view.pinned is not None:
@@ -86,7 +86,7 @@ class ImageFeed:
                 images.pin(shifted(start, -stream.offset), shifted(end, -stream.offset))
 
     async def reply(self, request: ImageRequest) -> ImageReply:
-        """Return the image of a time, converted for a browser."""
+        """Return the image at a time, converted for a browser."""
         self.pin()
         found = self._recorder.images(request.topic)
         if found is None:
@@ -131,10 +131,10 @@ class ImageFeed:
 
     def _why_unknown(self, topic: str) -> str:
         if self._recorder.is_overlaid(topic):
-            return "images of an overlaid bag are not shown; show the bag itself: --bag"
+            return "images of an overlaid bag cannot be shown; show the bag itself with --bag"
         if self._recorder.is_known(topic):
             return f"images of {topic} are not received: no page shows them"
-        return f"there is no topic {topic} yet"
+        return f"the topic {topic} does not exist yet"
 
 
 def _problem(text: str) -> ImageReply:
@@ -145,14 +145,12 @@ def _why_none(images: ImageHistory, time: Optional[float], offset: int) -> str:
     """Return why there is no image at a time."""
     if time is None or images.first is None:
         return "no image has been received yet"
-    return (
-        f"no image at this time: the first is {(images.first + offset) / NS - time:.3g} s after it"
-    )
+    return f"no image at this time: the first is {(images.first + offset) / NS - time:.3g} s later"
 
 
 def _why_dropped(images: ImageHistory, time: float, offset: int) -> str:
-    """Return why an image cannot be shown any longer."""
+    """Return why an image can no longer be shown."""
     first = images.first_kept
-    kept = "" if first is None else f", from {(first + offset) / NS - time:.3g} s after it on"
+    kept = "" if first is None else f", the first {(first + offset) / NS - time:.3g} s later"
     most = f"{MOST_BYTES // 10**6} MB of images"
-    return f"the image of this time was dropped: the scope keeps {most}{kept}"
+    return f"the image at this time was dropped: the scope keeps {most}{kept}"

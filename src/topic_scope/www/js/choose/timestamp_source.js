@@ -54,14 +54,14 @@ export function setSource(state, name, source) {
   else state.set(changes);
 }
 
-const CLOCK = "clock of "; // not the start of a timestamp source
+const CLOCK = "clock of "; // no timestamp source starts with it
 
 /**
  * Make the list of timestamp sources of a trace, and of clocks for its stamps.
  * @param {import("../state/store.js").State} state
  * @param {string} name of the trace
  * @param {function(string, string): void} chooseClock takes the topic of the trace, and the topic
- *   whose clock it follows, empty to leave it to the scope
+ *   whose clock it follows, empty to let the scope estimate it
  * @returns {{element: HTMLSelectElement, show: function(Object, string[]): void}} show takes the
  *   measurements of the trace, and a topic of each estimated clock
  */
@@ -98,7 +98,7 @@ export function timestampChoice(state, name, chooseClock) {
     }
     const listed = [...element.options].map(({ value }) => value);
     element.append(...options([...new Set(wanted)].filter((one) => !listed.includes(one))));
-    if (element.value !== (clock || chosen)) element.value = clock || chosen; // also if it was rejected
+    if (element.value !== (clock || chosen)) element.value = clock || chosen; // also after a rejected choice
   }
   return { element, show };
 }

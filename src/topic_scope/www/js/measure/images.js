@@ -5,7 +5,7 @@ import { byId, options, setPressed, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { imageTopic, imageTopics } from "../state/image_topics.js";
 
-const EVERY_MS = 250; // from one image to the request for the next
+const EVERY_MS = 250; // from the end of a request to the next one
 const TIMEOUT_MS = 10000;
 const NONE = "No topic has the type sensor_msgs/Image or sensor_msgs/CompressedImage.";
 
@@ -13,8 +13,8 @@ const NONE = "No topic has the type sensor_msgs/Image or sensor_msgs/CompressedI
  * Return the time whose image is shown.
  * @param {Object} values of the state
  * @param {{reference: number}} shown the shown sweep
- * @returns {{time: ?number, name: string}} since the epoch [s], null for the newest image; and
- *   what the time is
+ * @returns {{time: ?number, name: string}} time since the epoch [s], null for the newest image;
+ *   and the name of that time
  */
 export function wantedTime({ cursors, end }, { reference }) {
   if (cursors) return { time: Math.max(0, reference + cursors.a), name: "cursor A" };
@@ -33,7 +33,7 @@ export function imageText({ time, text, correction }, wanted) {
   return [`${clockText(time, 0.001)} ${zoneText(time)}`, apart, text, correction].filter(Boolean).join(", ");
 }
 
-/** Panel of the images; requests the next one when the last has arrived, a few times a second. */
+/** Panel of the images; requests the next one after the last has arrived, a few times a second. */
 export class Images {
   /**
    * @param {import("../state/store.js").State} state
@@ -42,10 +42,10 @@ export class Images {
   constructor(state, sweep) {
     this.state = state;
     this.sweep = sweep;
-    this.known = ""; // name of the shown image, for the server
+    this.known = ""; // the server's name of the shown image
     this.topic = ""; // its topic
     this.text = ""; // its description, without its time
-    this.problem = ""; // why the browser does not show it
+    this.problem = ""; // reason why the browser does not show it
     this.picture = byId("image");
     this.select = byId("image-topic");
     this.select.addEventListener("change", () => state.change("images", { topic: this.select.value }));
@@ -93,20 +93,20 @@ export class Images {
     if (topic && !document.hidden) {
       try {
         await this.load(topic, wantedTime(this.state.values, this.sweep.shown));
-      } catch (error) { /* the connection is lost, which the page shows */ }
+      } catch (error) { /* the page shows that the connection is lost */ }
     }
     setTimeout(() => this.ask(), EVERY_MS);
   }
 
-  /** Load the image of a time, if it is not shown already. */
+  /** Load the image at a time, unless it is already shown. */
   async load(topic, wanted) {
     const query = new URLSearchParams({ topic, known: this.known });
     if (wanted.time !== null) query.append("time", wanted.time);
     const reply = await fetch(`/image?${query}`, { signal: AbortSignal.timeout(TIMEOUT_MS) });
     const file = reply.status === 200 ? await reply.blob() : null;
-    if (topic !== this.topic) return; // the user has chosen another one meanwhile
+    if (topic !== this.topic) return; // the user has chosen another topic meanwhile
     if (!reply.ok) {
-      this.clear(`the scope cannot show it: it answered with status ${reply.status}`);
+      this.clear(`no image: the scope answered with status ${reply.status}`);
       return;
     }
     const description = JSON.parse(reply.headers.get("Image-Description"));

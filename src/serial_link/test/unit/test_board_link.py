@@ -245,14 +245,14 @@ def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
     assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
 
 
-def test_malformed_announcement_makes_another_round_necessary(rig: Rig) -> None:
+def test_malformed_announcement_requires_another_round(rig: Rig) -> None:
     rig.link._topics.begin_round(1.0)
     rig.link._receive_bytes(1.0, encode(PUBLISHER, b"x"))
     assert rig.link.all_counters()["malformed"] == 1
     assert rig.link._topics.end_round(9.0) is False
 
 
-def test_board_is_given_time_to_answer_from_the_opening_of_the_port_on(
+def test_time_to_answer_starts_when_the_port_is_opened(
     rig: Rig, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr("serial_link.link.board_link._NO_ANSWER_S", TIMEOUT_S)
@@ -263,7 +263,7 @@ def test_board_is_given_time_to_answer_from_the_opening_of_the_port_on(
     assert rig.link.trouble == "waiting for the board's answer"
 
 
-def test_longer_messages_than_those_of_the_board_before_are_accepted(rig: Rig) -> None:
+def test_longer_messages_than_those_of_the_previous_board_are_accepted(rig: Rig) -> None:
     rig.link._reader.accept_up_to(64)
     rig.end.plug()
     rig.link._try_to_open()
@@ -400,7 +400,7 @@ def test_port_is_closed_after_the_frame_that_another_thread_writes(
     monkeypatch.setattr(board_link, "_LONGEST_WAIT_S", 0.01)
     with rig.link._writer._port_lock:
         closing = in_thread(rig.link.close)
-        closing.join(0.3)  # longer than it waits for its own threads
+        closing.join(0.3)  # longer than close() waits for its own threads
         order.append("written")
     closing.join(30.0)
     assert order == ["written", "released"]

@@ -193,10 +193,8 @@ def test_a_stray_sync_byte_costs_no_message() -> None:
 
 
 @given(frames, st.lists(frames, max_size=3))
-def test_frame_that_arrives_at_once_is_validated_as_one_in_pieces(
-    message: Frame, inner: List[Frame]
-) -> None:
-    """A frame may hold others, by chance or because its length is wrong."""
+def test_whole_frame_is_validated_like_one_in_pieces(message: Frame, inner: List[Frame]) -> None:
+    """A frame may contain others, by chance or because its length is wrong."""
     data = encode(message.topic_id, message.payload + wire(inner))
     at_once, in_pieces = Decoder(), Decoder()
     found = at_once.feed(data) + at_once.flush()
@@ -204,7 +202,7 @@ def test_frame_that_arrives_at_once_is_validated_as_one_in_pieces(
     assert found == sum(pieces, []) and +at_once.faults == +in_pieces.faults
 
 
-def test_no_frame_is_seen_in_damaged_bytes_of_its_size() -> None:
+def test_damaged_frame_that_arrives_whole_is_rejected() -> None:
     good = encode(125, b"1234")
     for place in range(len(good)):
         damaged = bytearray(good)

@@ -1,4 +1,4 @@
-"""Frames are written by the sending thread or by the writer's, in order and at the line's pace."""
+"""Order and pace of frames that the sending thread or the writer thread writes."""
 
 import logging
 import math
@@ -22,7 +22,7 @@ class FakePort:
     def __init__(self, baud: int = 0) -> None:
         self.baud = baud
         self.written: List[bytes] = []
-        #: Number of bytes that it accepts without waiting, and how it fails.
+        #: Number of bytes that the port accepts without blocking, and the error that it raises.
         self.room = 10**6
         self.failure: Any = None
 
@@ -45,7 +45,7 @@ class FakePort:
 
 
 class Rig:
-    """A writer whose thread waits for frames."""
+    """Writer whose thread waits for frames."""
 
     def __init__(self, baud: int = 0) -> None:
         self.port: Any = FakePort(baud)
@@ -99,7 +99,7 @@ def test_frame_is_not_written_before_one_that_waits_or_on_a_closed_port(rig: Rig
 def test_frames_wait_while_the_line_is_busy_and_the_newest_replaces_them() -> None:
     rig = Rig(baud=300)
     assert rig.writer.write_now(bytes(30))
-    rig.writer._pacer._free_at = math.inf  # instead of a second
+    rig.writer._pacer._free_at = math.inf  # instead of one second
     for number in range(40):
         frame = b"%d" % number
         assert not rig.writer.write_now(frame)
@@ -110,7 +110,7 @@ def test_frames_wait_while_the_line_is_busy_and_the_newest_replaces_them() -> No
     rig.close()
 
 
-def test_frame_that_the_port_does_not_take_is_left_to_the_writer_thread(rig: Rig) -> None:
+def test_frame_that_the_port_does_not_accept_is_left_to_the_writer_thread(rig: Rig) -> None:
     assert rig.writer.write_now(b"three")
     rig.port.room = 0
     assert not rig.writer.write_now(b"one")
@@ -121,7 +121,9 @@ def test_long_frame_is_left_to_the_writer_thread(rig: Rig) -> None:
     assert not rig.writer.write_now(bytes(5000)) and not rig.port.written
 
 
-def test_stuck_and_lost_ports_are_told_apart(rig: Rig, caplog: "pytest.LogCaptureFixture") -> None:
+def test_stuck_port_is_distinguished_from_a_lost_one(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
     caplog.set_level(logging.WARNING, "rosout")
     rig.port.room, rig.port.failure = 2, PortStuck("no room")
     assert rig.writer.write_now(b"three")  # its rest is lost
@@ -133,7 +135,7 @@ def test_stuck_and_lost_ports_are_told_apart(rig: Rig, caplog: "pytest.LogCaptur
     assert rig.writer.write_now(b"one")  # no lock is held
 
 
-def test_frame_does_not_overtake_one_that_no_thread_has_taken_yet() -> None:
+def test_frame_does_not_overtake_a_queued_one() -> None:
     writer = FrameWriter(FakePort(), Counters(), ThrottledLog(0.0))  # type: ignore[arg-type]
     writer.open()
     writer.queue.put(1, b"first")
@@ -141,7 +143,7 @@ def test_frame_does_not_overtake_one_that_no_thread_has_taken_yet() -> None:
 
 
 class SlowPort(FakePort):
-    """Port whose writes end when they may."""
+    """Port whose writes block until the test releases them."""
 
     def __init__(self, baud: int) -> None:
         super().__init__(baud)
@@ -153,7 +155,7 @@ class SlowPort(FakePort):
         return super().write_now(data)
 
 
-def test_frame_behind_one_that_another_thread_writes_keeps_the_pace() -> None:
+def test_frame_after_one_of_another_thread_keeps_the_pace() -> None:
     port: Any = SlowPort(baud=300)
     writer = FrameWriter(port, Counters(), ThrottledLog(0.0))
     writer.open()

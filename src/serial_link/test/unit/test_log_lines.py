@@ -33,7 +33,7 @@ def scope(monkeypatch: "pytest.MonkeyPatch") -> Any:
     return FakeScope()
 
 
-def test_line_is_published_as_it_is_and_printed_without_control_characters(
+def test_line_is_published_unchanged_and_printed_without_control_characters(
     scope: Any, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     lines = LogLines(scope, "/node/board")
@@ -46,7 +46,7 @@ def test_line_is_published_as_it_is_and_printed_without_control_characters(
     assert first.header.stamp == rospy.Time(12, 500000000)
 
 
-def test_lines_beyond_20_a_second_are_counted_and_the_next_second_is_logged(
+def test_lines_beyond_20_a_second_are_counted_until_the_next_second(
     scope: Any, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     lines = LogLines(scope, "/node/board")

@@ -105,13 +105,13 @@ def test_queue_is_idle_only_while_its_reader_waits() -> None:
     waiting.start()
     wait_until(lambda: queue.is_idle, lambda: "the reader does not wait")
     queue.put("a", 1)
-    assert not queue.is_idle  # the message may be in the reader's hands
+    assert not queue.is_idle  # the reader may be handling the message
     waiting.join(30.0)
     assert found == [1] and not queue.is_idle
     assert queue.get(0.0) is None and not queue.is_idle
 
 
-def test_message_that_was_waited_for_can_still_be_replaced() -> None:
+def test_message_can_be_replaced_after_wait() -> None:
     queue = MessageQueue(depth=1)
     assert not queue.wait(0.0)
     queue.put("a", 1)

@@ -152,7 +152,7 @@ def value(number: int) -> bytes:
 
 
 def publish_first(rig: Rig) -> None:
-    """Let the topic be opened by its first message."""
+    """Send the first message of a topic, which opens the topic."""
     assert not rig.context.receive_now(TOPIC, value(1))
     rig.context.inbox.put(1, Message(TOPIC, value(1)))
     wait_until(
@@ -182,7 +182,7 @@ def test_topic_stays_open_after_a_restart_until_the_board_has_announced_all(rig:
     assert not rig.context.receive_now(TOPIC, value(3))
 
 
-def test_message_behind_an_unfinished_one_is_not_published_before_it(rig: Rig) -> None:
+def test_message_does_not_overtake_an_unfinished_one(rig: Rig) -> None:
     publish_first(rig)
     rig.context.is_held.clear()
     rig.context.inbox.put(1, Message(TOPIC, value(2)))

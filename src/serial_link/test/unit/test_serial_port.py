@@ -195,7 +195,7 @@ def test_stuck_board_blocks_writer_only_briefly(
     assert "has accepted no bytes for 0.5 s" in stuck[0]
 
 
-def test_bytes_beyond_the_buffer_of_the_system_are_not_waited_for(
+def test_write_now_does_not_block_while_the_buffer_is_full(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
@@ -204,7 +204,7 @@ def test_bytes_beyond_the_buffer_of_the_system_are_not_waited_for(
     port.open(0.0)
     assert port.write_now(b"all") and end.read() == b"all"
     with pytest.raises(PortStuck, match="has accepted no bytes for 0.5 s"):
-        while port.write_now(bytes(1000)):  # takes the last ones in part
+        while port.write_now(bytes(1000)):  # accepts the last ones in part
             pass
     assert not all(port.write_now(b"x") for _ in range(10**5))
     end.unplug()

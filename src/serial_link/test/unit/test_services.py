@@ -121,7 +121,7 @@ class BoardContext:
         return True
 
 
-def test_call_during_which_the_board_is_lost_fails_after_one_that_was_answered() -> None:
+def test_call_fails_if_the_board_is_lost_although_an_earlier_one_was_answered() -> None:
     around: Any = BoardContext()
     endpoint = ENDPOINT._replace(
         kind=SERVICE_SERVER, incoming=ENDPOINT.outgoing, outgoing=ENDPOINT.incoming

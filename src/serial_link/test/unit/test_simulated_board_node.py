@@ -8,7 +8,7 @@ from serial_link.nodes.simulated_board import SimulatedBoardNode
 
 
 class FakeNode:
-    """Node that has the given parameters and starts nothing."""
+    """Node that has the declared parameters and starts nothing."""
 
     def declare_parameters(self, parameters: Any, on_change: Any) -> Any:
         return SimpleNamespace(values=parameters())

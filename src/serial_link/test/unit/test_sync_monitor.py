@@ -138,7 +138,7 @@ def test_sketch_with_a_slow_loop_is_neither_restarted_nor_asked_again(
     assert max(probes[8:]) <= 2
 
 
-def test_sketch_whose_loop_becomes_quick_again_is_missed_as_soon_as_a_quick_one() -> None:
+def test_patience_returns_to_its_minimum_when_the_loop_becomes_quick() -> None:
     monitor = synced_monitor()
     monitor.handle(5.0, TIME)
     assert monitor.patience == SILENT_ITERATIONS * 5.0
@@ -328,7 +328,7 @@ def test_board_on_a_slow_line_is_not_restarted_by_its_own_answers(baud: int) -> 
     assert actions.count(ASK) == 1 and RESTART not in actions
 
 
-def test_host_counts_as_forgotten_eleven_seconds_after_the_last_message() -> None:
+def test_topics_are_requested_eleven_seconds_after_the_last_message() -> None:
     monitor = synced_monitor()
     for now in (1.0, 2.0):
         assert monitor.handle(now, MESSAGE) == [] and monitor.state == SYNCED

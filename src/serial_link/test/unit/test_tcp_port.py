@@ -39,7 +39,7 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
 
 
 def test_new_connection_replaces_only_a_silent_one(monkeypatch: "pytest.MonkeyPatch") -> None:
-    # Longer, so that none is silent too long on a slow machine.
+    # Longer, so that no connection counts as silent on a slow machine.
     monkeypatch.setattr("serial_link.hardware.tcp_slots.SAME_BOARD_S", TIMEOUT_S)
     number = free_port()
     server = TcpServer("localhost", number)
@@ -71,7 +71,7 @@ def test_new_connection_replaces_only_a_silent_one(monkeypatch: "pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("way", ["write", "write_now"])
-def test_a_message_that_a_board_takes_in_part_ends_the_connection(way: str) -> None:
+def test_message_that_a_board_accepts_in_part_ends_the_connection(way: str) -> None:
     number = free_port()
     port, end = only_port(number), TcpTransport("localhost", number)
     port.open(0.0)
@@ -87,7 +87,7 @@ def test_a_message_that_a_board_takes_in_part_ends_the_connection(way: str) -> N
     end.unplug()
 
 
-def test_bytes_beyond_the_buffer_of_the_system_are_not_waited_for() -> None:
+def test_write_now_does_not_block_while_the_buffer_is_full() -> None:
     number = free_port()
     port, end = only_port(number), TcpTransport("localhost", number)
     with pytest.raises(PortLost, match="is closed"):

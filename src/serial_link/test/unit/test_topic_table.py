@@ -261,7 +261,7 @@ def test_longest_message_is_from_publishers() -> None:
     assert table.longest == 300
 
 
-def test_looked_up_topics_follow_later_announcements() -> None:
+def test_incoming_topic_follows_later_announcements() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     table.add(0.0, PUBLISHER, info(125, "old"))

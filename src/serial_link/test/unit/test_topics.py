@@ -51,7 +51,7 @@ def test_message_that_takes_longer_than_the_library_waits_is_logged_and_sent(
     assert not caplog.text
     around.receive(bytes(108))
     assert "/told: 108 bytes take longer than the 20 ms" in caplog.text
-    around.receive(bytes(281))  # its warning has a limit of its own
+    around.receive(bytes(281))  # its warning has a separate rate limit
     assert "/told: a message of 281 bytes is not sent: the board's buffer has 280" in caplog.text
     assert [len(payload) for payload in around.sent] == [107, 108]
     assert counters.to_dict() == {TOO_LARGE: 1}

@@ -83,7 +83,7 @@ class RosSide:
         self._is_known = False
         self._asked: Optional[ParameterRequest] = None
         self._retry_at = 0.0
-        #: Topics that the board publishes and that have had a message.
+        #: Topics of the board for which a message was received.
         self._published: Dict[Endpoint, PublishedTopic] = {}
         self._throttled_log = ThrottledLog(_WARN_EVERY_S)
         self._is_over = threading.Event()
@@ -150,7 +150,9 @@ class RosSide:
     def _receive_now(self, endpoint: Endpoint, payload: bytes) -> bool:
         """Publish a message in the reader thread, if its topic is open and no event waits.
 
-        Waking up the thread of this object would take longer than all other work for a message.
+        Waking up the other thread would take longer than all other work for a message.
+
+        :returns: whether the message was handled
         """
         topic = self._published.get(endpoint)
         if topic is None or not self._link.inbox.is_idle:

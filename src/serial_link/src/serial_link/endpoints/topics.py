@@ -13,7 +13,7 @@ from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
-#: Most messages held for a subscriber that does not read. With a limit, publishing never waits.
+#: Most messages held for a subscriber that does not read. With a limit, publishing does not block.
 _MOST_HELD = 200
 #: rosserial's library drops a frame that is incomplete after this time [s].
 _LONGEST_FRAME_S = 0.02

@@ -68,9 +68,9 @@ class Decoder:
         return self._extract_frames(is_over=False)
 
     def _single_frame(self, data: bytes) -> Optional[Frame]:
-        """Return the frame if the bytes are one good frame; None if they may be anything else.
+        """Return the frame if the bytes are exactly one good frame, else None.
 
-        Mostly a read returns one frame: this takes a third of the time of a search for frames.
+        A read usually returns one frame; this check takes a third of the time of the search.
         """
         size = len(data) - OVERHEAD
         if not 0 <= size <= self.longest or data.rfind(START) != 0:

@@ -18,7 +18,7 @@ HEADER, BEFORE_PAYLOAD, OVERHEAD = 5, 7, 8
 LONGEST = 0x7FFF
 
 _LENGTH, _ID = struct.Struct("<H"), struct.Struct("<H")
-#: Start, length, its checksum and topic id.
+#: Start, length, checksum of the length, and topic id.
 _BEFORE_PAYLOAD = struct.Struct("<2sHBH")
 #: Size of id and length in the old protocol [bytes].
 _OLD_HEADER = 4

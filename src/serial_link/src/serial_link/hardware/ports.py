@@ -16,7 +16,7 @@ class PortStuck(OSError):
 
 
 class Port(Protocol):
-    """Port of a board. One thread reads, others write one at a time."""
+    """Port of a board. One thread reads; others write, one at a time."""
 
     #: Display name.
     name: str
@@ -48,11 +48,11 @@ class Port(Protocol):
         ...
 
     def write_now(self, data: bytes) -> bool:
-        """Send bytes, unless the system accepts none without waiting.
+        """Send bytes, unless the system accepts none without blocking.
 
-        :returns: whether they are sent
+        :returns: whether the bytes were sent
         :raises PortLost: if the port was lost
-        :raises PortStuck: if it accepts only a part of them
+        :raises PortStuck: if the port accepts only part of the bytes
         """
         ...
 

@@ -44,7 +44,7 @@ class SerialPort:
         self.name, self.baud = os.path.expanduser(name), baud
         self._line_baud = baud
         self._serial: Optional[serial.Serial] = None
-        #: Its descriptor while it is open, and the wait for bytes from it.
+        #: Descriptor of the open port, and its poll object; -1 while the port is closed.
         self._fd = -1
         self._poll = select.poll()
 
@@ -95,7 +95,7 @@ class SerialPort:
         """Do nothing: a serial port has only one board; see :class:`.Port`."""
 
     def write_now(self, data: bytes) -> bool:
-        """Send bytes, unless none are accepted; see :class:`.Port`."""
+        """Send bytes, unless none are accepted immediately; see :class:`.Port`."""
         if self._fd < 0:
             raise PortLost(f"{self.name} is closed")
         try:

@@ -198,10 +198,10 @@ class TcpPort:
         self._slot.peer, self._slot.heard_at = self._address, time.monotonic()
 
     def write_now(self, data: bytes) -> bool:
-        """Send bytes, unless none are accepted; see :class:`.Port` and :meth:`write`."""
+        """Send bytes, unless none are accepted now; see :class:`.Port` and :meth:`write`."""
         board = self._connected()
         try:
-            # Not through the socket, whose send() waits for its timeout.
+            # Not through the socket, whose send() blocks up to its timeout.
             count = os.write(board.fileno(), data)
         except BlockingIOError:
             return False
@@ -226,7 +226,7 @@ class TcpPort:
         self._send_all(board, data)
 
     def _send_all(self, board: socket.socket, data: bytes) -> None:
-        """Send bytes, or close the connection."""
+        """Send all bytes, or close the connection."""
         try:
             board.sendall(data)
         except socket.timeout:

@@ -45,7 +45,7 @@ class MessageQueue:
 
     @property
     def is_idle(self) -> bool:
-        """Whether the reader waits for a message: it has handled all earlier ones."""
+        """Whether the reader waits for a message, so it has handled all earlier ones."""
         return self._is_idle
 
     def put(self, stream: Any, message: Any, depth: int = 0) -> None:
@@ -88,10 +88,10 @@ class MessageQueue:
             return self._next()
 
     def wait(self, timeout: float) -> bool:
-        """Wait for a message, which may be replaced by a newer one until it is taken out.
+        """Wait for a message without removing it; a newer one may still replace it.
 
         :param timeout: longest wait [s]
-        :returns: whether a message waits, or the queue is closed
+        :returns: whether a message is available, or the queue is closed
         """
         end = time.monotonic() + timeout
         while True:

@@ -54,17 +54,17 @@ TimeOf = Callable[[], Tuple[int, int]]
 class BoardLink:
     """Link to a board at a port: synchronizes with it, and transfers its frames.
 
-    The reader thread never blocks on its consumers: received frames go into a queue, unless they
-    can be handled immediately. Frames to send go into another, unless the line is free; the writer
-    thread sends them at the pace of the line.
+    The reader thread never blocks on its consumers: a received frame goes into a queue, unless it
+    can be handled immediately. A frame to send goes into another queue, unless the line is free;
+    the writer thread sends queued frames at the pace of the line.
 
     :param port: of the board; owned by this link
     :param counters: of traffic and faults
     :param time_of: returns the time for the board
 
     :ivar inbox: received events, see :mod:`.events`
-    :ivar receive_now: called with each message; returns whether it has handled the message, which
-        then does not go into the inbox; must not block
+    :ivar receive_now: function that is called with each message, and returns whether it has handled
+        the message, which then does not go into the inbox. It must not block
     :ivar parameter_requests: which parameter request the board waits for
     """
 
@@ -106,7 +106,7 @@ class BoardLink:
         for thread in self._threads:
             if thread.ident is not None:
                 thread.join(2.0 * _LONGEST_WAIT_S)
-        self._writer.close_port()  # after the frame that another thread is writing
+        self._writer.close_port()  # waits for a frame that another thread is writing
         self._port.release()
 
     @property

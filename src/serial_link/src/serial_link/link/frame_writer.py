@@ -19,8 +19,8 @@ from serial_link.negotiation.payloads import STOP
 _LONGEST_WAIT_S = 0.25
 #: Longest wait for a frame to send [s]; shutdown ends it.
 _IDLE_S = 1.0
-#: Longest frame that a sending thread writes itself [bytes]: it fits into the system's buffer, so
-#: that the thread does not wait.
+#: Longest frame that a sending thread writes itself [bytes]. It fits into the system's buffer, so
+#: the thread does not block.
 _LONGEST_NOW = 1024
 #: Frame that stops the board's publishing.
 _STOP_FRAME = encode(STOP, b"")
@@ -79,13 +79,13 @@ class FrameWriter:
         """Send a frame in the calling thread, if the line is free and no other frame waits.
 
         :param frame: the frame
-        :returns: whether it is sent; otherwise it has to wait in the queue
+        :returns: whether the frame was sent; otherwise it must be queued
         """
         if len(frame) > _LONGEST_NOW:
             return False
         try:
             return self._write_if_free(frame)
-        except PortStuck as error:  # after a part of it
+        except PortStuck as error:  # a part was sent: do not queue the frame
             self._report_stuck(error)
             return True
         except PortLost:
@@ -108,7 +108,7 @@ class FrameWriter:
         """Send the next frame of the queue as soon as the line is free."""
         if not self.queue.wait(_IDLE_S):
             return
-        with self._port_lock:  # a sending thread records its frame before it releases the lock
+        with self._port_lock:  # held by a sending thread until it has recorded its frame
             delay = self._pacer.delay(time.monotonic())
         if delay > 0.0:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))

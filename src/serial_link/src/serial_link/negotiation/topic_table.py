@@ -61,7 +61,7 @@ class TopicTable:
         self._settled_s = SETTLED_S + frame_s
         #: By direction (0: from the board) and topic id: the announcing id, and the info.
         self._infos: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
-        #: Topics and services by the ids of their frames from the board, as far as looked up.
+        #: Cache of :meth:`incoming`: topics and services of the board by topic id.
         self._incoming: Dict[int, Endpoint] = {}
         self._seen: Set[Tuple[int, int]] = set()
         #: Announced only once, or differently the last time.

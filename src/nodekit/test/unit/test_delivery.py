@@ -279,14 +279,14 @@ def test_closing_topic_waits_only_for_a_receiver_that_takes_data(pairs, monkeypa
         assert not reader.is_alive()
 
 
-def test_topics_that_close_together_wait_as_long_as_one(monkeypatch):
+def test_topics_closed_together_share_one_time_limit(monkeypatch):
     now = [1000.0]
     sleep = types.SimpleNamespace(
         monotonic=lambda: now[0], sleep=lambda seconds: now.__setitem__(0, now[0] + seconds)
     )
     monkeypatch.setattr(delivery, "time", sleep)
     slow = types.SimpleNamespace(held=[b"data"], takes_held_data=lambda now: True)
-    for _ in range(2):  # the limit is that of one context
+    for _ in range(2):  # each context has its own limit
         began = now[0]
         with delivery.closing_together():
             with delivery.closing_together():

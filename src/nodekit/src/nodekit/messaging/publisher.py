@@ -32,7 +32,7 @@ class SubscriberStatistics(NamedTuple):
     lost: int
     #: whether the subscriber has taken nothing for 50 ms, and data waits for it
     stalled: bool
-    #: bytes held for the subscriber, which has not read them yet
+    #: bytes held for the subscriber because it has not read them yet
     held_bytes: int
 
 

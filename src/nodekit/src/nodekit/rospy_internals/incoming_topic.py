@@ -347,13 +347,14 @@ class IncomingTopic(_Topic):
 
 
 def close_poller(topic: Any) -> None:
-    """Close the descriptor by which rospy checks a topic's connections, after the topic.
+    """Close the descriptor with which rospy polls the connections of a closed topic.
 
-    rospy's object for it refers to itself: it would stay open until garbage collection.
+    rospy's object is part of a reference cycle, so the descriptor would stay open until garbage
+    collection.
 
     :param topic: rospy's object for the topic
     """
-    with contextlib.suppress(AttributeError):  # without epoll, no descriptor
+    with contextlib.suppress(AttributeError):  # no descriptor without epoll
         topic.connection_poll.poller.close()
 
 

@@ -73,7 +73,7 @@ def serve_later(full: List[SubscriberConnection]) -> None:
 
 
 class _Closing(threading.local):
-    """Time limit of the topics that a thread closes together."""
+    """Time limit shared by the topics that a thread closes together."""
 
     is_together = False
     deadline = math.inf
@@ -84,8 +84,8 @@ _CLOSING = _Closing()
 
 @contextlib.contextmanager
 def closing_together() -> Iterator[None]:
-    """Limit the waits for all topics that this thread closes in the context to that for one."""
-    if _CLOSING.is_together:  # a resource of the closing owner closes an owner of its own
+    """Share one time limit among all topics that this thread closes in the context."""
+    if _CLOSING.is_together:  # nested: a resource of an owner is an owner itself
         yield
         return
     _CLOSING.is_together, _CLOSING.deadline = True, math.inf

@@ -187,7 +187,7 @@ class SubscriberConnection:
 
     @property
     def unsent_bytes(self) -> int:
-        """Memory of held messages, with a partly sent one [bytes]."""
+        """Size of the held messages, with a partly sent one [bytes]."""
         return self._held_bytes
 
     @property

@@ -85,8 +85,8 @@ def test_identify_unrelated_output_raises() -> None:
         identify(record._replace(outputs=noise))
 
 
-def test_identify_gain_that_the_noise_hides_raises() -> None:
-    """The plant coasts to its rest, which shows its time constant; the gain is below 0."""
+def test_identify_gain_hidden_by_noise_raises() -> None:
+    """The plant coasts to rest, which shows its time constant; the gain is negative."""
     times = numpy.linspace(0.0, 10.0, 300)
     step = -0.02 * (1.0 - numpy.exp(-(times - 6.0).clip(0.0)))
     noise = numpy.random.RandomState(1).normal(0.0, 0.1, len(times))
@@ -150,7 +150,7 @@ def test_input_that_was_recorded_late_leaves_gain_and_time_constant_as_they_are(
     assert found.model.dead_time == pytest.approx(-0.15, abs=0.002)
     assert "recorded late by 0.15 s or more" in as_text(late, found, read_step(late))
     assert "system_dead_time: 0.0 " in as_yaml(found, "a record")
-    # Within its uncertainty, a dead time below 0 is no sign of that.
+    # A negative dead time within its uncertainty does not indicate that.
     model = found.model._replace(dead_time=-0.9 * found.uncertainty.dead_time)
     near_0 = found._replace(model=model)
     assert "recorded late by" not in as_text(late, near_0, read_step(late))

@@ -1,4 +1,4 @@
-"""Tests of callbacks of the nodes, without a master."""
+"""Callbacks of the nodes, without a master."""
 
 from typing import Any, List
 from unittest import mock
@@ -13,7 +13,7 @@ from pid_control.recording.live_experiment import LiveExperiment
 from pid_control.recording.samples import Samples
 
 
-def test_changed_dead_time_of_the_motor_acts_on_the_next_input(
+def test_changed_dead_time_of_the_motor_affects_the_next_input(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr("time.monotonic", lambda: 0.0)
@@ -31,7 +31,7 @@ def test_changed_dead_time_of_the_motor_acts_on_the_next_input(
 
 
 @pytest.mark.parametrize("arrivals, told", [([], 1), ([6.0], 1), ([8.0], 0)])
-def test_identify_ends_when_the_plant_is_silent_even_from_the_start(
+def test_identify_ends_if_the_plant_is_silent(
     arrivals: List[float], told: int, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     experiment: Any = LiveExperiment.__new__(LiveExperiment)

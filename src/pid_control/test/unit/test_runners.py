@@ -1,4 +1,4 @@
-"""Tests of the runners of submissions, without their processes."""
+"""Runners of submissions, without their processes."""
 
 import threading
 from typing import Any, List
@@ -16,7 +16,7 @@ from pid_control.signal_runner.signal_bench import SignalBench
 from pid_control.signal_runner.signal_session import SignalSession
 
 
-def test_answers_in_the_first_half_of_a_pause_are_late_ones(
+def test_answers_in_the_first_half_of_a_pause_count_as_late(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr(clock, "_STANDSTILL_S", 0.02)
@@ -34,7 +34,7 @@ def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
     late = iter([0.5, 0.1])
 
     class LateClock(clock.WallClock):
-        """Clock with the next of the delays."""
+        """Clock with the next delay of the list."""
 
         def start(self) -> None:
             self.latest = next(late)
@@ -66,7 +66,7 @@ def test_shutdown_beside_a_real_plant_ends_the_controller_before_the_last_input(
     assert calls == ["controller", "0"]
 
 
-def test_signal_bench_listens_to_the_latest_topics_only() -> None:
+def test_signal_bench_subscribes_only_to_the_latest_topics() -> None:
     bench: Any = SignalBench.__new__(SignalBench)
     bench._lock, bench._subscriptions = threading.Lock(), {}
     bench._node, bench._scope = mock.Mock(), mock.Mock()
@@ -75,7 +75,7 @@ def test_signal_bench_listens_to_the_latest_topics_only() -> None:
     before.close.assert_called_once_with()
 
 
-def test_repeated_record_forgets_what_failed_in_the_first(
+def test_repeated_record_forgets_failures_of_the_first(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     session = SignalSession(mock.Mock(), [], False, 60.0, {}, mock.Mock(), mock.Mock())

@@ -124,6 +124,6 @@ def test_message_of_the_course_has_value_time_and_status() -> None:
     assert message.value(filled) == 3.0
 
 
-def test_message_with_a_time_only_has_the_value_in_it(tmp_path: pathlib.Path) -> None:
+def test_message_with_only_a_time_has_the_value_in_it(tmp_path: pathlib.Path) -> None:
     message = read(tmp_path, "reto", {"set_point": "float32 t\n"}).by_topic["set_point"]
     assert message.value(message.filled(1.5, 2.0)) == 1.5

@@ -16,7 +16,7 @@ from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_tabl
 
 #: Default and largest time limit of a judgement [s].
 _TIME_LIMIT_S, _LONGEST_S = 120.0, 3600.0
-#: Default folder for the files of a class.
+#: Default folder for the files of a class run.
 _HERE = "."
 #: Arguments that rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
@@ -196,10 +196,10 @@ def check_class(parser: Parser, arguments: argparse.Namespace, invalid: Sequence
 
 
 def check_single(arguments: argparse.Namespace) -> None:
-    """Check the options of one judgement.
+    """Reject options of a class run in a single judgement.
 
     :param arguments: the options
-    :raises JudgingError: if one is for a batch run only
+    :raises JudgingError: if an option is only valid with ``--class``
     """
     for name, default in (("roster", None), ("output", _HERE)):
         if getattr(arguments, name) != default:

@@ -1,4 +1,4 @@
-"""A board's messages through the node of serial_link, rosserial_python's, and a bare one.
+"""Messages of a board through serial_link's node, rosserial_python's, and a bare one.
 
 rosserial_python is in no archive of packages: ROSSERIAL names a folder with its sources.
 """

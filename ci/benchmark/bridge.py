@@ -31,7 +31,7 @@ ENDS: Dict[str, Tuple[str, str]] = {
 LIMIT = 40.0
 #: Duration of a goal, with feedback 20 times a second, and longest wait for its end [s].
 GOAL_S, ENDED_WITHIN = 0.2, 20.0
-#: Data of a large message [bytes].
+#: Size of a large message [bytes].
 IMAGE_BYTES = images.MESSAGES["6.2 MB"][1]
 #: Goals before the measurement, while connections settle.
 FIRST_GOALS = 3

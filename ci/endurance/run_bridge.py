@@ -46,7 +46,7 @@ def run(soak: Soak) -> List[Check]:
     """Send for the given time, then kill."""
     reason = make_rclpy()
     if reason:
-        return [Check("the environment with ROS 2", "is there", reason, False)]
+        return [Check("the environment with ROS 2", "exists", reason, False)]
     checks: List[Check] = []
     with run_bridge(soak.session) as pid, goals(soak, checks):
         for way in (TO_ROS2, TO_ROS1):

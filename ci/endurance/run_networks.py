@@ -15,13 +15,13 @@ from ..benchmark.recorder import wait_until
 from .checks import Check
 from .hosts import ADDRESSES, Hosts
 
-#: Longest time until messages return, and for which it is checked that none do [s].
+#: Longest time until messages return, and time for which none may return [s].
 WITHIN_S, SILENT_S = 45, 15
 PORT = "11811"
 
 
 class Way(NamedTuple):
-    """Variables of both sides, and whether messages cross; docs/ros2_bridge.md has the same."""
+    """Environment variables of both sides, and whether messages cross; see docs/ros2_bridge.md."""
 
     bridge: Dict[str, str]
     other: Dict[str, str]
@@ -33,7 +33,7 @@ PEER_OF_BRIDGE = {**SUBNET, "ROS_STATIC_PEERS": ADDRESSES["far"]}
 PEER_OF_OTHER = {**SUBNET, "ROS_STATIC_PEERS": ADDRESSES["near"]}
 SERVER = {"ROS_DISCOVERY_SERVER": f"{ADDRESSES['near']}:{PORT}"}
 WAYS = {
-    "neither": Way(SUBNET, SUBNET, crosses=False),
+    "neither peers nor a server": Way(SUBNET, SUBNET, crosses=False),
     "peers of the bridge": Way(PEER_OF_BRIDGE, SUBNET),
     "peers of the other host": Way(SUBNET, PEER_OF_OTHER),
     "peers, but two domains": Way(
@@ -44,10 +44,10 @@ WAYS = {
 
 
 def run(hosts: Hosts) -> List[Check]:
-    """Send from ROS 1 to the other host and back, in each way."""
+    """Send messages from ROS 1 to the other host and back, in each way."""
     reason = make_rclpy()
     if reason:
-        return [Check("the environment with ROS 2", "is there", reason, False)]
+        return [Check("the environment with ROS 2", "exists", reason, False)]
     for host in ADDRESSES:
         for chain in ("INPUT", "OUTPUT"):
             hosts.run_on(host, f"iptables -A {chain} -d 224.0.0.0/4 -j DROP".split())

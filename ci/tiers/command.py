@@ -25,7 +25,7 @@ from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, pa
 #: More than most machines' cores: most integration tests wait most of the time. With three, the
 #: whole run takes a fifth longer on two cores.
 AT_A_TIME = 4
-#: Examples that hypothesis tries of a property without a word on the command line; see conftest.py.
+#: Examples that hypothesis tries of a property if no arguments are given; see conftest.py.
 QUICK_EXAMPLES = "20"
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0

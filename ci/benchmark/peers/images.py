@@ -2,7 +2,7 @@
 """A camera, its subscriber, or both, by nodekit or rospy, recording each message's number.
 
 Usage: images.py publish|subscribe|both nodekit|views|rospy KIND BYTES SUBSCRIBERS RECORD…
-KIND is image, points, or bytes: an array without size and encoding, as of the peer by rclpy.
+KIND is image, points, or bytes: an array without size and encoding, as in the rclpy peer.
 """
 
 import functools
@@ -27,7 +27,7 @@ CLASS: Any = {"image": Image, "points": PointCloud2, "bytes": UInt8MultiArray}[K
 
 
 def new_message(data: bytes, number: int) -> Any:
-    """Return a message with its data and number."""
+    """Return a message with data and a number."""
     if CLASS is UInt8MultiArray:
         message = UInt8MultiArray(data=data)
         message.layout.data_offset = number

@@ -1,6 +1,6 @@
-"""Node that only passes pings to a board and their answers back; usage: serial_bare.py PORT.
+"""Node that only forwards pings to a board and its answers back; usage: serial_bare.py PORT.
 
-It is the least that a node in Python needs for that: no fault of the board or its cable is noticed.
+It is the minimum for a node in Python: it detects no faults of the board or the cable.
 """
 
 import os
@@ -17,7 +17,7 @@ from std_msgs.msg import UInt32
 
 
 class Bare:
-    """Publishes ``pong`` and subscribes to ``ping``."""
+    """Node class that publishes ``pong`` and subscribes to ``ping``."""
 
     def __init__(self, node: Node) -> None:
         self._port = os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY)

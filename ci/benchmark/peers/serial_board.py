@@ -1,4 +1,4 @@
-"""Board that returns each ping at once; or sends numbers through a line that damages bytes.
+"""Board that returns each ping at once, or sends numbers through a line that damages bytes.
 
 Usage: serial_board.py LINK|TCP_PORT [NOISE]. NOISE is the share of damaged bytes of the numbers,
 which are sent at 500 Hz, each with a check value, the first 500 undamaged.
@@ -58,7 +58,7 @@ class Sketch:
 
 
 def answer(transport: Transport, sketch: Sketch) -> None:
-    """Run a board without a simulated line, whose work would count as the host's latency."""
+    """Run a board without a simulated line, whose delays would count as the host's latency."""
     device = Device(sketch)
     while True:
         if not transport.is_plugged:

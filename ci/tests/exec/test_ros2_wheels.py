@@ -60,7 +60,7 @@ def test_oldest_python_chooses_for_all(workspace: Workspace, wheels: pathlib.Pat
     assert (workspace.root / "log").read_text().splitlines() == [
         "3.9: ",
         "3.11: a==1.1",
-        "3.11: ",  # the lists of recordings, of build tools and of the command ros2
+        "3.11: ",  # the lists for recordings, for build tools and for the command ros2
         "3.11: ",
         "3.11: ",
     ]

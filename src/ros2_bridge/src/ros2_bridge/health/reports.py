@@ -24,7 +24,7 @@ class BridgeHealth(NamedTuple):
     :param topics: state of each topic
     :param services, actions: numbers of bridged services and actions
     :param not_bridged: current reasons why names are not bridged
-    :param trouble: reason why nothing new is bridged; empty if there is none
+    :param trouble: reason why nothing new is bridged; empty without one
     :param memory: resident memory of the process [bytes]
     """
 

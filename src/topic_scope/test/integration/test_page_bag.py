@@ -224,7 +224,9 @@ class Bag(unittest.TestCase):
         page = self.page()
         self.play(page, time=BEGIN + 5.001, playing=False)
         url = self.scope.url
-        self.assertIn("no topic /camera", fetch_image(url, "/camera")[0]["problem"])
+        self.assertIn(
+            "images of /camera are not received", fetch_image(url, "/camera")[0]["problem"]
+        )
         page.send("images", topic="/camera")
 
         def newest(place: float) -> Any:
@@ -248,7 +250,7 @@ class Bag(unittest.TestCase):
         self.play(page, time=BEGIN + 15.001)
         wait_until(lambda: newest(14.95), lambda: fetch_image(url, "/camera"))
         problem = fetch_image(url, "/camera", time=str(BEGIN + 3.0))[0]["problem"]
-        self.assertEqual(problem, "no image at this time: the first is 6.05 s later")
+        self.assertEqual(problem, "no image at this time: the first is 6.05 s after it")
 
     @extended
     def test_the_page_shows_the_image_of_the_cursor(self) -> None:

@@ -133,7 +133,7 @@ def test_reply_has_the_image_at_the_time_or_the_newest(converted: List[Tuple[int
         assert description["time"] == pytest.approx(NOW + grey - 0.25, abs=1e-6)
         assert description["text"] == f"grey {grey}" and description["correction"] is None
     assert scope.reply()[1] == scope.reply(NOW + 9.0)[1]
-    assert scope.text(NOW + 0.7) == "no image at this time: the first is 0.05 s later"
+    assert scope.text(NOW + 0.7) == "no image at this time: the first is 0.05 s after it"
     # Not in the requesting thread, and once for all pages.
     assert [grey for grey, _ in converted] == [1, 2, 3]
     assert all(name.startswith("images") for _, name in converted)
@@ -209,7 +209,7 @@ def test_dropped_image_is_read_again_or_has_a_reason(
     scope = Scope()
     scope.send(1, 2, 3)
     assert scope.text(NOW + 1.0) == (
-        "the image at this time was dropped: the scope keeps 128 MB of images, the first 2 s later"
+        "the image at this time was dropped: the scope keeps 128 MB of images, from 2 s after it"
     )
     read_again = mock.Mock(return_value=b"again\7")
     scope = Scope(read_again)

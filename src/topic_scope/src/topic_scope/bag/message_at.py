@@ -29,7 +29,7 @@ class MessageFinder:
 
         :param topic: global name
         :param time: as in the player's batches [ns]
-        :returns: the serialized message; None if there is none
+        :returns: the serialized message; None if not found
         :raises BagError: if the recording is damaged
         """
         if self._bag is None:

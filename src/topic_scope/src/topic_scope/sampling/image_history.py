@@ -96,7 +96,7 @@ class ImageHistory:
         return self._kept[next(reversed(self._kept))] if self._kept else None
 
     def at(self, time: int) -> Optional[StoredImage]:
-        """Return the latest image at or before a time [ns]; None if there is none."""
+        """Return the latest image at or before a time [ns]; None if not found."""
         place = bisect.bisect_right(self._times, time) - 1
         if place < 0 or self._layout is None:
             return None

@@ -145,12 +145,14 @@ def _why_none(images: ImageHistory, time: Optional[float], offset: int) -> str:
     """Return why there is no image at a time."""
     if time is None or images.first is None:
         return "no image has been received yet"
-    return f"no image at this time: the first is {(images.first + offset) / NS - time:.3g} s later"
+    return (
+        f"no image at this time: the first is {(images.first + offset) / NS - time:.3g} s after it"
+    )
 
 
 def _why_dropped(images: ImageHistory, time: float, offset: int) -> str:
     """Return why an image can no longer be shown."""
     first = images.first_kept
-    kept = "" if first is None else f", the first {(first + offset) / NS - time:.3g} s later"
+    kept = "" if first is None else f", from {(first + offset) / NS - time:.3g} s after it"
     most = f"{MOST_BYTES // 10**6} MB of images"
     return f"the image at this time was dropped: the scope keeps {most}{kept}"

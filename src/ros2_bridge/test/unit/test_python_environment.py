@@ -98,8 +98,8 @@ def test_architecture_without_wheels_is_named_with_a_workaround(
     with pytest.raises(Unavailable) as caught:
         Environment(tmp_path / "ros2").make(wheels, {})
     assert str(caught.value) == (
-        "PyPI has ROS 2 for x86_64 only, not for aarch64; start the bridge on such a machine, with"
-        " ROS_MASTER_URI set to this machine's master"
+        "PyPI has ROS 2 only for x86_64 (this machine: aarch64); start the bridge on one of those,"
+        " with ROS_MASTER_URI set to this machine's master"
     )
     assert not (tmp_path / "ros2").exists()
 

@@ -291,8 +291,8 @@ def check_platform() -> None:
     """Reject an architecture or a Python version without wheels."""
     if platform.machine() not in MACHINES:
         raise Unavailable(
-            f"PyPI has ROS 2 for {', '.join(MACHINES)} only, not for {platform.machine()}; start"
-            " the bridge on such a machine, with ROS_MASTER_URI set to this machine's master"
+            f"PyPI has ROS 2 only for {', '.join(MACHINES)} (this machine: {platform.machine()});"
+            " start the bridge on one of those, with ROS_MASTER_URI set to this machine's master"
         )
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)

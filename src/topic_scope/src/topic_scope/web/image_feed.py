@@ -153,6 +153,7 @@ def _why_none(images: ImageHistory, time: Optional[float], offset: int) -> str:
 def _why_dropped(images: ImageHistory, time: float, offset: int) -> str:
     """Return why an image can no longer be shown."""
     first = images.first_kept
-    kept = "" if first is None else f", from {(first + offset) / NS - time:.3g} s after it"
+    after = 0.0 if first is None else (first + offset) / NS - time
+    kept = f", from {after:.3g} s after it" if after > 0.0 else ""  # not of a paused view before
     most = f"{MOST_BYTES // 10**6} MB of images"
     return f"the image at this time was dropped: the scope keeps {most}{kept}"

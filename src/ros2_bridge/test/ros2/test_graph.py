@@ -182,7 +182,7 @@ def test_parameters_of_ros2_nodes_are_limited(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     def made(*_: Any) -> Any:
-        return SimpleNamespace(retry_write_all=dict, close=dict)
+        return SimpleNamespace(retry_write_all=dict, report_unfit=dict, close=dict)
 
     monkeypatch.setattr(node_bridge, "ParametersToRos1", made)
     bridge = FewNodes()
@@ -211,7 +211,7 @@ def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
     def make(name: str) -> Any:
         if "b" in name:
             raise ValueError("too long")
-        return SimpleNamespace(retry_write_all=dict, close=dict)
+        return SimpleNamespace(retry_write_all=dict, report_unfit=dict, close=dict)
 
     bridge = FewNodes()
     bridge._participant.create_node = make

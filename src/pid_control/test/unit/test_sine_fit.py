@@ -41,6 +41,7 @@ def test_fit_sine_exact_sine_returns_its_parameters(
     )
 
 
+@pytest.mark.extended
 @given(st.integers(0, 2**32 - 1), FREQUENCIES)
 def test_fit_sine_noise_is_the_distortion(seed: int, frequency: float) -> None:
     noise = numpy.random.default_rng(seed).normal(0.0, 0.05, 200)

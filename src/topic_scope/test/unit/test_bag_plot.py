@@ -140,6 +140,7 @@ def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
     assert [line.get_marker() for line in axes.lines] == [".", ""]
 
 
+@pytest.mark.extended
 @settings(max_examples=5)
 @given(st.lists(st.floats(), min_size=1, max_size=5))
 @pytest.mark.filterwarnings("error")
@@ -152,6 +153,7 @@ def test_any_values_can_be_plotted(
     assert imread(str(path)).shape[:2] == (675, 1350)
 
 
+@pytest.mark.extended
 def test_huge_values_of_both_signs_can_be_plotted(tmp_path: Path) -> None:
     samples = [(index, "/x", Float64((-1) ** index * 1e300)) for index in range(5)]
     save(draw(collected([Column("/x", ("data",))], samples)), str(tmp_path / "x"), "png")

@@ -100,7 +100,7 @@ SENDERS: Dict[str, Sender] = {
     **{f"speed {speed:g}": at_speed(speed) for speed in (0.1, 0.5, 1.0, 3.0, 10.0)},
 }
 #: Senders whose test takes seconds.
-SLOW = ("disordered", "speed 0.1", "speed 0.5")
+SLOW = ("disordered", "doubled", "set ahead", "speed 0.1", "speed 0.5")
 
 
 def among_others(signal: Signal) -> numpy.ndarray:

@@ -57,7 +57,7 @@ def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
     assert result.text == "334 samples inside, 5 outside"
 
 
-@pytest.mark.parametrize("time", [35.0, 80.0])
+@pytest.mark.parametrize("time", [pytest.param(35.0, marks=pytest.mark.extended), 80.0])
 def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) -> None:
     source = TimedSource()
     mask = MASK._replace(time=time)

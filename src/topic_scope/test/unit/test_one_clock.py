@@ -122,7 +122,7 @@ def csv_rows(made: Recorder, name: str) -> numpy.ndarray:
     return numpy.array(sorted((float(row[2]), float(row[0])) for row in found if row[2] != "nan"))
 
 
-@pytest.mark.parametrize("late", [0.6, 20.0])
+@pytest.mark.parametrize("late", [0.6, pytest.param(20.0, marks=pytest.mark.extended)])
 def test_late_message_does_not_move_other_csv_rows(late: float) -> None:
     stamps = [NOW + 20 * MS * index for index in range(1500)]
     sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]

@@ -38,8 +38,14 @@ SOURCES = (
         "https://github.com/ros2/ros2cli",
         "de6cd27284937044d8dff47a617581c28865210c",  # 0.32.2
         (
-            *("ros2cli", "ros2node", "ros2topic", "ros2service", "ros2param", "ros2lifecycle"),
-            *("ros2action", "ros2interface"),
+            "ros2cli",
+            "ros2node",
+            "ros2topic",
+            "ros2service",
+            "ros2param",
+            "ros2lifecycle",
+            "ros2action",
+            "ros2interface",
         ),
     ),
 )

@@ -2,20 +2,16 @@
 
 from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
-from ros2_bridge.health.topic_health import TopicHealth
+from ros2_bridge.health.topic_health import FAULTS, TopicHealth
 from ros2_bridge.rules.selection import Route
 
 #: Levels, as in diagnostic_msgs/DiagnosticStatus.
 OK, WARN, ERROR = 0, 1, 2
-#: Description of each fault counter.
-_FAULTS = {
-    "lost": "lost on the way from ROS 2",
-    "refused": "refused",
-    "unread": "dropped for subscribers that do not read",
-}
 #: Maximum number of topics that a message names.
 _MOST_NAMED = 3
-_COLUMNS = ("topic", "to", "Hz", "passed", "lost", "refused", "unread", "thinned", "queue")
+#: Counters of messages in the table, and its columns.
+_COUNTERS = ("passed", *FAULTS, "thinned")
+_COLUMNS = ("topic", "to", "Hz", *_COUNTERS, "queue")
 
 
 class BridgeHealth(NamedTuple):
@@ -86,8 +82,7 @@ def _topics(health: BridgeHealth, to_ros2: bool) -> Dict[str, TopicHealth]:
 
 def _is_active(state: TopicHealth) -> bool:
     """Return whether a topic has had messages."""
-    counts = state.counts
-    return any((counts.passed, counts.lost, counts.refused, counts.unread, counts.thinned))
+    return any(getattr(state.counts, name) for name in _COUNTERS)
 
 
 def _topics_status(health: BridgeHealth, to_ros2: bool) -> Status:
@@ -106,14 +101,14 @@ def _topics_status(health: BridgeHealth, to_ros2: bool) -> Status:
 
 
 def _faults(state: TopicHealth) -> str:
-    return ", ".join(f"{count} {_FAULTS[name]}" for name, count in state.recent.items())
+    return ", ".join(f"{count} {FAULTS[name]}" for name, count in state.recent.items())
 
 
 def _topic_text(state: TopicHealth, to_ros2: bool) -> str:
     counts = state.counts
     found = [f"{state.rate:.1f} Hz", f"{counts.passed} passed"]
     found += [
-        f"{getattr(counts, name)} {what}" for name, what in _FAULTS.items() if getattr(counts, name)
+        f"{getattr(counts, name)} {what}" for name, what in FAULTS.items() if getattr(counts, name)
     ]
     if counts.thinned:
         found.append(f"{counts.thinned} dropped by max_rate")
@@ -161,12 +156,10 @@ def table(node: str, health: BridgeHealth) -> str:
 
 
 def _row(route: Route, state: TopicHealth) -> Tuple[str, ...]:
-    counts = state.counts
-    numbers = (counts.passed, counts.lost, counts.refused, counts.unread, counts.thinned)
     return (
         route.name,
         "ROS 2" if route.to_ros2 else "ROS 1",
         f"{state.rate:.1f}",
-        *map(str, numbers),
-        _queue(counts.held, route.to_ros2),
+        *(str(getattr(state.counts, name)) for name in _COUNTERS),
+        _queue(state.counts.held, route.to_ros2),
     )

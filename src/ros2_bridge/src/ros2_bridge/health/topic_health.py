@@ -31,8 +31,12 @@ class TopicCounts(NamedTuple):
     held: int = 0
 
 
-#: Names of the fault counters.
-FAULTS = ("lost", "refused", "unread")
+#: Description of each fault counter.
+FAULTS = {
+    "lost": "lost on the way from ROS 2",
+    "refused": "refused",
+    "unread": "dropped for subscribers that do not read",
+}
 
 
 class TopicHealth(NamedTuple):

@@ -11,8 +11,12 @@ from topic_scope.messages.message_reader import MessageReader, TruncatedMessage
 #: Image types and their fields; a publisher may have another definition.
 _FIELDS = {
     "sensor_msgs/Image": {
-        **{"height": "uint32", "width": "uint32", "encoding": "string"},
-        **{"is_bigendian": "uint8", "step": "uint32", "data": "uint8[]"},
+        "height": "uint32",
+        "width": "uint32",
+        "encoding": "string",
+        "is_bigendian": "uint8",
+        "step": "uint32",
+        "data": "uint8[]",
     },
     "sensor_msgs/CompressedImage": {"format": "string", "data": "uint8[]"},
 }

@@ -193,6 +193,12 @@ def test_type_without_a_definition_is_the_standard_type(tmp_path: Path) -> None:
         }
 
 
+def test_calls_of_services_are_named_as_that() -> None:
+    """Recordings of `ros2 bag record --all` hold them, with the definition of the service."""
+    with pytest.raises(TypeProblem, match="^calls of a service cannot be shown$"):
+        Ros2Type("odd_msgs/srv/Add_Event", "MSG", "int64 a\n---\nint64 sum\n", "jazzy")
+
+
 @pytest.mark.parametrize("part", [0.01, 0.5, 0.99])
 def test_truncated_file_is_rejected(tmp_path: Path, part: float) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4)))

@@ -113,6 +113,19 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
     bag.close()
 
 
+def test_zeros_between_the_index_and_the_next_record_are_skipped(tmp_path: Path) -> None:
+    """A public recording has them: its topics were filtered."""
+    path = tmp_path / "x.bag"
+    write(path, [("a", 1, 0), ("b", 2, 1)])
+    content = path.read_bytes()
+    place = content.index(b"index_pos=") + len(b"index_pos=")
+    (behind,) = struct.unpack_from("<Q", content, place)
+    moved = content[:place] + struct.pack("<Q", behind + 800) + content[place + 8 :]
+    path.write_bytes(moved[:behind] + bytes(800) + moved[behind:])
+    with Ros1Recording(str(path)) as bag:
+        assert read(bag, {"/a", "/b"}, 0) == as_read_by_rosbag(path, {"/a", "/b"})
+
+
 def in_order(chunks: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
     """Return time, topic and bytes of messages in order of reading; by time in a slice."""
     found = []
@@ -194,6 +207,8 @@ def test_unreadable_file_is_reported(tmp_path: Path) -> None:
     for text in ("", "name,value\n"):
         path.write_text(text)
         assert error_of(path).endswith("x.bag is not a bag")
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:1c\nsize 9\n")
+    assert error_of(path).endswith("x.bag only points to a bag; fetch the bag by: git lfs pull")
     path.write_bytes(b"#ROSBAG V1.2\n")
     assert "version 2.0" in error_of(path)
     path.write_bytes(b"#ROSBAG V2.0\n")

@@ -17,6 +17,8 @@ from topic_scope.bag.recording import BagError, Connection, ConnectionMessages, 
 
 #: First bytes of all bags, and of bags of the supported version.
 _ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
+#: First bytes of the file that a clone has in place of a large file, without Git LFS.
+_POINTER = b"version https://git-lfs"
 #: Op codes of the types of records.
 _OPERATIONS = {"file": 3, "index": 4, "chunk": 5, "chunk info": 6, "connection": 7}
 _U32, _U64, _TIME = struct.Struct("<I"), struct.Struct("<Q"), struct.Struct("<II")
@@ -63,6 +65,8 @@ class Ros1Recording(Recording):
 
     def _read_index(self) -> None:
         version = self._file.readline(80)
+        if version.startswith(_POINTER):
+            raise BagError(f"{self.path} only points to a bag; fetch the bag by: git lfs pull")
         if not version.startswith(_ANY):
             raise BagError(f"{self.path} is not a bag")
         if version != _MAGIC:
@@ -88,18 +92,19 @@ class Ros1Recording(Recording):
             }
             topic = "/" + head["topic"].decode("utf-8", "replace").lstrip("/")
             known[_number(head, "conn")] = Connection(topic, said)
-        chunks: List[Tuple[int, int, int]] = []
+        chunks: List[Tuple[int, int, int, int]] = []
         #: Positions of the chunks with messages of a connection, by its number.
         self._holding: Dict[int, List[int]] = {}
         for _ in range(_number(fields, "chunk_count")):
             head, length = self._record("chunk info")
             counts = numpy.frombuffer(self._read(length), "<u4").reshape(-1, 2)
             place = _number(head, "chunk_pos", _U64)
-            chunks.append((place, _time(head, "start_time"), _time(head, "end_time")))
+            span = _time(head, "start_time"), _time(head, "end_time")
+            chunks.append((place, *span, len(counts)))
             for one, count in counts[counts[:, 1] > 0].tolist():
                 self._holding.setdefault(one, []).append(place)
                 self._counts[one] = self._counts.get(one, 0) + count
-        names = [("position", "i8"), ("start", "i8"), ("end", "i8")]
+        names = [(name, "i8") for name in ("position", "start", "end", "connections")]
         self._chunks = numpy.sort(numpy.array(chunks, names), order="start")
         self.connections = {number: known[number] for number in sorted(self._holding)}
         if not self.connections:
@@ -156,7 +161,7 @@ class Ros1Recording(Recording):
     def read(self, number: int, wanted: Collection[int]) -> List[ConnectionMessages]:
         """Read the messages of some connections in a chunk; see :class:`.Recording`."""
         try:
-            return self._read_chunk(int(self._chunks["position"][number]), wanted)
+            return self._read_chunk(self._chunks[number], wanted)
         except _ERRORS as error:
             raise self.broken(error) from error
 
@@ -173,25 +178,23 @@ class Ros1Recording(Recording):
         text = "%s is damaged (%s); recover its messages by: rosbag reindex %s"
         return BagError(text % (self.path, reason, self.path))
 
-    def _read_chunk(self, position: int, wanted: Collection[int]) -> List[ConnectionMessages]:
-        self._file.seek(position)
+    def _read_chunk(self, chunk: numpy.void, wanted: Collection[int]) -> List[ConnectionMessages]:
+        self._file.seek(int(chunk["position"]))
         head, length = self._record("chunk")
         start = self._file.tell()
-        entries = self._entries_behind(start + length, wanted)
+        self._file.seek(start + length)
+        entries = self._read_entries(int(chunk["connections"]), wanted)
         if not entries:
             return []
         self._file.seek(start)
         data = self._unpacked(self._read(length), head)
         return [_part(data, connection, found) for connection, found in entries.items()]
 
-    def _entries_behind(self, position: int, wanted: Collection[int]) -> Dict[int, numpy.ndarray]:
-        """Read the index that follows a chunk."""
-        self._file.seek(position)
+    def _read_entries(self, connections: int, wanted: Collection[int]) -> Dict[int, numpy.ndarray]:
+        """Read the index that follows a chunk: a record for each connection."""
         entries: Dict[int, numpy.ndarray] = {}
-        while self._file.tell() < self._size:
-            head, length = self._record()
-            if _number(head, "op", struct.Struct("B")) != _OPERATIONS["index"]:
-                break
+        for _ in range(connections):
+            head, length = self._record("index")
             if _number(head, "conn") in wanted:
                 entries[_number(head, "conn")] = numpy.frombuffer(self._read(length), _ENTRY)
             else:

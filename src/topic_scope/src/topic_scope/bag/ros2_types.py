@@ -25,7 +25,7 @@ class Ros2Type:
     :param language: of the definition: a name of rosbags' ``MessageDefinitionFormat``
     :param text: the definition; empty for the standard definition
     :param distribution: name of the ROS 2 distribution
-    :raises TypeProblem: if the definition is malformed or missing
+    :raises TypeProblem: if the definition is malformed or missing, or is of a service's calls
 
     :ivar name: name of the type in ROS 1, e.g. ``std_msgs/Float64``
     :ivar definition: in ROS 1's format, followed by the definitions of the types that it uses
@@ -34,6 +34,8 @@ class Ros2Type:
     def __init__(self, name: str, language: str, text: str, distribution: str) -> None:
         from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
+        if "/srv/" in name:  # its definition is that of the service
+            raise TypeProblem("calls of a service cannot be shown")
         self._ros2_name = name
         try:
             if language == "NONE" or not text:

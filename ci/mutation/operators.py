@@ -97,11 +97,19 @@ def variables(function: Node, node: Node) -> List[str]:
     end = (node.search_ancestor("expr_stmt") or node).start_pos
     leaf = function.name.get_next_leaf()
     while leaf.start_pos < end:
-        if leaf.type == "name" and leaf.is_definition() and leaf.parent.type != "trailer":
+        if leaf.type == "name" and is_definition(leaf) and leaf.parent.type != "trailer":
             if leaf.search_ancestor("funcdef") is function and leaf.value not in ("self", "cls"):
                 found[leaf.value] = None
         leaf = leaf.get_next_leaf()
     return list(found)
+
+
+def is_definition(name: Node) -> bool:
+    """Return whether a name is defined at its place; False in a statement with a fault."""
+    try:
+        return bool(name.is_definition())
+    except AttributeError:  # parso expects a trailer where cosmic-ray has put a name
+        return False
 
 
 class Fault(Operator):

@@ -9,7 +9,7 @@ from ros2_bridge.environment.middleware import middleware
 
 LOOPBACK = pathlib.Path("/bridge/loopback.xml")
 BY_LOOPBACK = {
-    "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+    "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4?sockets_size=16MB",
     "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
     "ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT",
     "FASTRTPS_DEFAULT_PROFILES_FILE": str(LOOPBACK),
@@ -25,7 +25,7 @@ def test_only_nodes_of_this_machine_are_seen_unasked(environ: Dict[str, str]) ->
 def test_other_machines_are_visible_on_request() -> None:
     given = middleware({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, LOOPBACK)
     assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
-    assert given["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
+    assert given["FASTDDS_BUILTIN_TRANSPORTS"] == BY_LOOPBACK["FASTDDS_BUILTIN_TRANSPORTS"]
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in given
 
 

@@ -5,6 +5,10 @@ from typing import Dict, Mapping
 
 #: Restricts discovery to this machine.
 LOCALHOST = "LOCALHOST"
+#: UDP with socket buffers for more than two images of 6 MB, which arrive in bursts: Linux's 208 KB
+#: overflow at the first, and resending delays and loses images. Linux limits the size to
+#: net.core.rmem_max. ``loopback.xml`` sets the same.
+UDP = "UDPv4?sockets_size=16MB"
 
 
 def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, str]:
@@ -18,7 +22,7 @@ def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, 
     :param loopback: file with the profile for localhost. Without it, rmw_fastrtps uses its own
         profile there, with shared memory, regardless of other variables
     """
-    given = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **environ}
+    given = {"FASTDDS_BUILTIN_TRANSPORTS": UDP, **environ}
     # The only middleware installed; another one, set for a ROS 2 elsewhere, would end the process.
     given["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
     if environ.get("ROS_DISCOVERY_SERVER"):

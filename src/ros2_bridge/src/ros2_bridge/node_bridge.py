@@ -19,7 +19,7 @@ from ros2_bridge.parameters.ros1_mirror import ParametersToRos1
 from ros2_bridge.parameters.parameter_services import ParametersToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.selection import parameter_services, rank_names
 from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming

@@ -14,6 +14,7 @@ import rospy
 from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.serialization import serialize_message
 from std_msgs.msg import Float32, String, UInt8MultiArray
 
 from basic_comms.msg import SignalMsg
@@ -23,7 +24,7 @@ from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.selection import Rules, Route
 from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources
 from ros2_bridge.rules.rates import RateLimit
@@ -263,6 +264,36 @@ def test_images_from_ros1_arrive_in_order(ros: both.Both, bridge: both.Bridge) -
     assert [message.data[0] for message in recorder.heard] == list(range(1, 6))
     recorder.end()
     out.unregister()
+
+
+def test_newest_large_messages_wait_while_the_bridge_is_busy(ros: both.Both) -> None:
+    """Of 120 MB, 64 MB are kept, and passed on in batches; then messages flow again."""
+    participant, topic, size = Participant("/busy"), "/busy_images", 4_000_000
+    batches: List[List[int]] = []
+    go_on = threading.Event()
+
+    def receive(messages: List[ReceivedMessage]) -> None:
+        if messages:
+            batches.append([one.number or 0 for one in messages])
+            go_on.wait(60.0)
+
+    quality = QosProfile(1000)
+    end = participant.create_subscription(UInt8MultiArray, topic, quality, receive)
+    publisher = participant.create_publisher(participant.node, UInt8MultiArray, topic, quality)
+    wait_until(publisher.get_subscription_count, lambda: "no match")
+    data = serialize_message(UInt8MultiArray(data=bytes(size)))
+    for _ in range(31):
+        publisher.publish(data)
+        wait_until(lambda: batches, lambda: "no first message")
+    assert publisher.wait_for_all_acked(Duration(seconds=60.0))
+    go_on.set()
+    kept = list(range(31 - 2**26 // len(data) + 1, 32))
+    wait_until(lambda: sum(batches, []) == [1, *kept], lambda: str(batches))
+    assert [len(one) for one in batches] == [1] + [2] * (len(kept) // 2)
+    publisher.publish(data)
+    wait_until(lambda: batches[-1] == [32], lambda: str(batches))
+    end()
+    participant.close()
 
 
 class Camera(both.Running):

@@ -24,7 +24,7 @@ from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import ActionType

@@ -19,12 +19,17 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from ros2_bridge.ros2.rcl_take import ReceivedMessage, MessageTaker
+from ros2_bridge.ros2.message_queue import MessageQueue
+from ros2_bridge.ros2.rcl_take import MessageTaker
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
-from ros2_bridge.rules.settings import QosProfile
+from ros2_bridge.rules.settings import HELD_BYTES, QosProfile
 
 #: Number of the 16 bytes of an endpoint's id that identify its participant.
 _GUID_PREFIX_SIZE = 12
+#: Most bytes of messages passed on before the next are taken from DDS, so that few wait there:
+#: DDS limits their number, not their size.
+_BATCH_BYTES = 2**23
 #: Queue size for calls of a service, as in rclpy.
 _CALLS = 10
 #: Pause between the end of all nodes and that of the participant [s]: DDS repeats the message that
@@ -144,7 +149,8 @@ class Participant:
     ) -> Callable[[], None]:
         """Subscribe to a topic.
 
-        :param receive: called with the received messages
+        :param receive: called with the received messages; the oldest are lost if more than
+            ``HELD_BYTES`` wait for it
         :returns: function that ends the subscription
         """
         with self._lock:
@@ -155,14 +161,17 @@ class Participant:
             self._subscribed[topic] += 1
         handle = subscription.handle
 
+        queue = MessageQueue(HELD_BYTES)
+
         def receive_messages(most: int) -> None:
-            messages: List[ReceivedMessage] = []
-            while len(messages) < most:
+            for _ in range(most):
                 message = self._taker.take(handle)
                 if message is None:
                     break
-                messages.append(message)
-            receive(messages)
+                queue.add(message)
+            receive(queue.pop_batch(_BATCH_BYTES))
+            if queue:
+                self.messages.call_again(waitable)
 
         def destroy() -> None:
             _uncount(self._subscribed, topic)

@@ -4,7 +4,9 @@ The structures are from ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 """
 
 import ctypes
-from typing import Any, NamedTuple, Optional
+from typing import Any, Optional
+
+from ros2_bridge.ros2.received_message import ReceivedMessage
 
 #: Return codes of rcl: a message was taken; no message was available.
 _TAKEN, _NONE = 0, 401
@@ -12,19 +14,6 @@ _TAKEN, _NONE = 0, 401
 _UNNUMBERED = 2**64 - 1
 # PyDLL holds the GIL, as rclpy does: none of these calls blocks.
 _rcl, _rcutils = ctypes.PyDLL("librcl.so"), ctypes.PyDLL("librcutils.so")
-
-
-class ReceivedMessage(NamedTuple):
-    """A message from ROS 2.
-
-    :param data: its bytes
-    :param sender: 16-byte id of the publisher
-    :param number: its sequence number at that publisher; None without one
-    """
-
-    data: bytes
-    sender: bytes
-    number: Optional[int]
 
 
 class _Allocator(ctypes.Structure):

@@ -49,6 +49,8 @@ class WaitLoop:
         self._lock = threading.Lock()
         self._waitables: Dict[int, Waitable] = {}
         self._pending_calls: List[Callable[[], None]] = []
+        #: Entities whose receive() is called again without waiting; of the loop's thread.
+        self._unfinished: List[Waitable] = []
         self._changed, self._ended = True, False
         self._throttle = Throttle(_LOG_PERIOD_S)
         with context.handle:
@@ -79,6 +81,10 @@ class WaitLoop:
             self._changed = True
         self._trigger()
 
+    def call_again(self, waitable: Waitable) -> None:
+        """Let an entity receive again after the others; called by its ``receive``."""
+        self._unfinished.append(waitable)
+
     def close(self) -> None:
         """Stop the thread, and join it."""
         self._ended = True
@@ -100,6 +106,7 @@ class WaitLoop:
             waitables = list(self._waitables.values())
             between, self._pending_calls = self._pending_calls, []
             self._changed = False
+        self._unfinished = [one for one in self._unfinished if one in waitables]
         for function in between:
             self._guarded(function)
         with contextlib.ExitStack() as held:
@@ -141,11 +148,14 @@ class WaitLoop:
         for _, add, mine in by_kind:
             for waitable in mine.values():
                 add(waitable.entity.handle)
-        wait_set.wait(-1)
+        wait_set.wait(0 if self._unfinished else -1)
+        turns, self._unfinished = self._unfinished, []
         for kind, _, mine in by_kind:
             if mine:
-                for pointer in wait_set.get_ready_entities(kind):
-                    self._guarded(mine[pointer].receive, _MOST)
+                ready = [mine[pointer] for pointer in wait_set.get_ready_entities(kind)]
+                turns += [one for one in ready if one not in turns]
+        for waitable in turns:
+            self._guarded(waitable.receive, _MOST)
 
     def _guarded(self, function: Callable[..., None], *arguments: Any) -> bool:
         """Call a function; log its exceptions.

@@ -105,7 +105,7 @@ class BridgeParameters(ParameterSet):
 
 
 #: Most bytes that a publisher holds for a subscriber that does not read, unless the user sets a
-#: depth: 1000 images would fill the memory.
+#: depth, and that wait in a subscription: 1000 images would fill the memory.
 HELD_BYTES = 2**26
 
 

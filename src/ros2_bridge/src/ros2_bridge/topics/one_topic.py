@@ -14,7 +14,7 @@ from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.health.topic_health import TopicCounts
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import QosProfiles, QosProfile

@@ -54,22 +54,11 @@ def measure_load(bench: Bench, subject: str) -> Figures:
 
 def measure_images(bench: Bench, subject: str) -> Figures:
     """Measure messages of 6.2 MB at 30 Hz."""
-    number = next(_numbers)
-    sent, received = (bench.session.directory / f"{end}-{number}" for end in ("sent", "received"))
-    sender, receiver = ENDS[subject]
     with contextlib.ExitStack() as stack:
         pids: List[int] = []
         if subject in (TO_ROS2, TO_ROS1):
             pids.append(stack.enter_context(run_bridge(bench.session)))
-        for role, ros, file in (("subscribe", receiver, received), ("publish", sender, sent)):
-            environment = bench.session.environment if ros == "1" else rclpy_environment()
-            environment = dict(environment, ROS_NAMESPACE=f"/images{number}")
-            arguments = [str(IMAGE_BYTES), "1", str(file)]
-            command = rclpy_peer("images.py", role, *arguments)
-            if ros == "1":
-                command = peer("images.py", role, "rospy", "bytes", *arguments)
-            stack.enter_context(bench.session.up(command, environment=environment))
-        wait_until(lambda: record.read(received), LIMIT, "the first message")
+        sent, received = stack.enter_context(run_cameras(bench.session, subject))
         time.sleep(images.SETTLE_S)
         since, seconds = time.monotonic(), bench.seconds(6.0, 3.0)
         if pids:
@@ -146,6 +135,28 @@ def run_ends(
         yield
     finally:
         session.stop(*reversed(processes))
+
+
+@contextlib.contextmanager
+def run_cameras(session: Session, subject: str) -> Iterator[Tuple[pathlib.Path, pathlib.Path]]:
+    """Run a camera and its subscriber for the duration of the context: see peers/images.py.
+
+    :returns: the records of sent and received messages, after the first has arrived
+    """
+    number = next(_numbers)
+    sent, received = (session.directory / f"{end}-{number}" for end in ("sent", "received"))
+    sender, receiver = ENDS[subject]
+    with contextlib.ExitStack() as stack:
+        for role, ros, file in (("subscribe", receiver, received), ("publish", sender, sent)):
+            environment = session.environment if ros == "1" else rclpy_environment()
+            environment = dict(environment, ROS_NAMESPACE=f"/images{number}")
+            arguments = [str(IMAGE_BYTES), "1", str(file)]
+            command = rclpy_peer("images.py", role, *arguments)
+            if ros == "1":
+                command = peer("images.py", role, "rospy", "bytes", *arguments)
+            stack.enter_context(session.up(command, environment=environment))
+        wait_until(lambda: record.read(received), LIMIT, "the first message")
+        yield sent, received
 
 
 def _measure(bench: Bench, subject: str, rate: float, topics: int) -> Figures:

@@ -14,7 +14,7 @@ COMMANDS = {
         "board": "a sketch on a simulated AVR under resets, cable pulls and noise",
         "scope": "ten traces of 1 kHz on the page of the oscilloscope",
         "images": "large messages through shared memory, and kill -9 of subscribers",
-        "bridge": "1 kHz and goals through the bridge, then kill -9 of it and of each side",
+        "bridge": "1 kHz, images and goals through the bridge, then kill -9 of it and of each side",
     },
     "two-hosts": {
         "cable": "cw1_two_hosts.launch, and the cable pulled for a while",

@@ -1,20 +1,33 @@
-"""Bridge to ROS 2 at 1 kHz, each direction for half of the time; then it and both sides are killed.
+"""Bridge to ROS 2 at 1 kHz, then with images in simulated time; then it and both sides are killed.
 
-All messages at 1 kHz must arrive, and the bridge's memory must not grow meanwhile. Goals of actions
-run in both directions, half of them cancelled at random times; each must end once, with its own
-result and in a legal state. Then a ROS 2 node subscribes to a ROS 1 talker, and republishes its
-messages for ROS 1.
+Each direction has a quarter of the time. All messages at 1 kHz must arrive, and the bridge's memory
+must not grow meanwhile. Goals of actions run in both directions, half of them cancelled at random
+times; each must end once, with its own result and in a legal state. Then a ROS 2 node subscribes to
+a ROS 1 talker, and republishes its messages for ROS 1.
 """
 
 import contextlib
 import json
+import pathlib
 import random
+import sys
 import threading
 import time
 from typing import Any, Dict, Iterator, List
 
+import rosgraph
+
+from ..benchmark import images, record
 from ..benchmark.action_client import ABORT, SUCCEED, ActionClient, start
-from ..benchmark.bridge import LIMIT, TO_ROS1, TO_ROS2, bridge_command, run_bridge, run_ends
+from ..benchmark.bridge import (
+    LIMIT,
+    TO_ROS1,
+    TO_ROS2,
+    bridge_command,
+    run_bridge,
+    run_cameras,
+    run_ends,
+)
 from ..benchmark.peer_programs import RCLPY, SCRIPTS, executable, make_rclpy, rclpy_environment
 from ..benchmark.recorder import wait_until
 from .checks import Check, at_most, none_of, reported
@@ -30,6 +43,13 @@ KILLS = 20
 BACK_WITHIN = 10.0
 #: Time for messages of a killed process to arrive [s].
 ON_THE_WAY = 0.5
+#: Most images that may be lost, of 6.2 MB at 30 Hz [%].
+IMAGES_LOST = 1.0
+#: Growth of the bridge's memory with images, as some wait at times [%].
+IMAGES_GROWTH = 5.0
+CLOCK = str(pathlib.Path(__file__).with_name("clock.py"))
+#: Longest delay of the simulated time in ROS 2 [s], in 99 of 100 cases.
+CLOCK_LATE = 0.5
 #: Names of the actions, by their servers' ROS, and the other ROS.
 NAMES = {"1": "/soak/arm", "2": "/soak/hand"}
 OTHER = {"1": "2", "2": "1"}
@@ -51,6 +71,9 @@ def run(soak: Soak) -> List[Check]:
     with run_bridge(soak.session) as pid, goals(soak, checks):
         for way in (TO_ROS2, TO_ROS1):
             checks += send(soak, way, pid)
+    with simulated_time(soak, checks), run_bridge(soak.session) as pid, goals(soak, checks):
+        for way in (TO_ROS2, TO_ROS1):
+            checks += send_images(soak, way, pid)
     checks += kill(soak)
     # The log of the master has a traceback if a process is killed in the middle of a request, and
     # rospy's warnings may have one.
@@ -61,7 +84,7 @@ def run(soak: Soak) -> List[Check]:
 
 def send(soak: Soak, way: str, pid: int) -> List[Check]:
     """Send in one direction; check the received messages and the bridge's resources."""
-    file, seconds = soak.session.directory / way, 0.5 * soak.seconds
+    file, seconds = soak.session.directory / way, 0.25 * soak.seconds
     with run_ends(soak.session, way, file, RATE, seconds, 1):
         wait_until(file.with_suffix(".first").exists, LIMIT, "the first message")
         time.sleep(min(WARM_UP, 0.2 * seconds))
@@ -75,6 +98,49 @@ def send(soak: Soak, way: str, pid: int) -> List[Check]:
         reported("took", f"{took[len(took) // 2]:.0f} us, at most {took[-1] / 1000.0:.1f} ms"),
         *not_grown("the bridge", sampler.samples["bridge"]),
     ]
+
+
+def send_images(soak: Soak, way: str, pid: int) -> List[Check]:
+    """Send images of 6.2 MB in one direction; check losses and the bridge's resources."""
+    seconds = 0.25 * soak.seconds
+    with run_cameras(soak.session, way) as files:
+        time.sleep(min(WARM_UP, 0.2 * seconds))
+        since = time.monotonic()
+        with Sampler({"bridge": pid}) as sampler:
+            time.sleep(seconds)
+        until = time.monotonic()
+        time.sleep(images.DRAIN_S)
+    sent, received = map(record.read, files)
+    due = {one.value for one in sent if since <= one.moment <= until}
+    lost = due - {one.value for one in received}
+    return [
+        reported(f"{way}: images", str(len(due))),
+        at_most("lost", 100.0 * len(lost) / len(due), IMAGES_LOST, "%"),
+        *not_grown("the bridge", sampler.samples["bridge"], IMAGES_GROWTH, min),
+    ]
+
+
+@contextlib.contextmanager
+def simulated_time(soak: Soak, checks: List[Check]) -> Iterator[None]:
+    """Set ``/use_sim_time`` and publish ``/clock`` in ROS 1; a ROS 2 node compares its time.
+
+    :param checks: receives the figures
+    """
+    session, summary = soak.session, soak.session.directory / "clock.json"
+    master = rosgraph.Master("/soak", session.master_uri)
+    master.setParam("/use_sim_time", True)
+    commands = [sys.executable, CLOCK, "publish"], [str(RCLPY), CLOCK, "use", str(summary)]
+    source = session.start(commands[0])
+    user = session.start(commands[1], rclpy_environment())
+    try:
+        yield
+    finally:
+        session.stop(user)
+        session.stop(source)
+        master.deleteParam("/use_sim_time")
+    late = sorted(json.loads(summary.read_text()))
+    checks.append(reported("simulated time in ROS 2 compared", f"{len(late)} times"))
+    checks.append(at_most("late", late[int(0.99 * len(late))], CLOCK_LATE, "s"))
 
 
 def kill(soak: Soak) -> List[Check]:

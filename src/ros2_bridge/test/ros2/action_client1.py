@@ -31,6 +31,7 @@ class Client:
         self._client = actionlib.ActionClient(name, GoToAction)
         self._goals, self._began = {}, {}
         self._cancel = rospy.Publisher(f"{name}/cancel", GoalID, queue_size=10)
+        rospy.sleep(0.01)  # until simulated time, if used, is known: its first jump ends the wait
         assert self._client.wait_for_server(rospy.Duration(20.0))
         say("connected")
 

@@ -6,6 +6,7 @@ ignores cancellation (4). The result has the goal's frame_id, and so has the fee
 remaining time and the time of sending [s].
 """
 
+import contextlib
 import sys
 import time
 
@@ -70,6 +71,7 @@ if __name__ == "__main__":
     rospy.init_node("action_server1")
     server = Server(sys.argv[1])
     print("serving", flush=True)
-    while not rospy.is_shutdown():
-        server.step()
-        rospy.sleep(0.05)
+    with contextlib.suppress(rospy.ROSInterruptException):
+        while not rospy.is_shutdown():
+            server.step()
+            rospy.sleep(0.05)

@@ -92,6 +92,15 @@ def test_unsendable_state_does_not_hold_back_the_others(
     assert sent.words == ["good"]
 
 
+@pytest.mark.parametrize("latch", [True, False])
+def test_wrong_argument_is_refused_while_the_node_is_not_active(latch: bool) -> None:
+    publisher = ManagedPublisher(ActivationGate(), "/words", String, latch)
+    for argument in (3, String):
+        with pytest.raises(TypeError, match="topic /words: refused"):
+            publisher.publish(argument)
+    assert publisher.dropped == 0
+
+
 def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
     scheduler: Scheduler,
 ) -> None:

@@ -129,8 +129,10 @@ class ManagedPublisher(Publisher):
         """Send a message, see :meth:`.Publisher.publish`; drop it if the node is not active."""
         if self._passes:
             super().publish(*args, **kwds)
-        elif self._latch:
-            self._keep(self._to_message(args, kwds))
+            return
+        message = self._to_message(args, kwds)  # a dropped message is checked too
+        if self._latch:
+            self._keep(message)
         else:
             self._drop(1)
 

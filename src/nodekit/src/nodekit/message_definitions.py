@@ -5,7 +5,7 @@ It generates no code, because a definition may come from an untrusted node. Pure
 """
 
 import re
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
 #: Size of each numeric type [bytes].
 SIZES: Dict[str, int] = {
@@ -91,7 +91,7 @@ def parse(datatype: str, text: str) -> Fields:
     :raises DefinitionError: if the definition is malformed
     """
     found = {name: fields_of(name, body) for name, body in parts_of(datatype, text).items()}
-    _check_defined(datatype, found, [])
+    _check_defined(datatype, found, [], set())
     return found
 
 
@@ -123,11 +123,12 @@ def fields_of(datatype: str, text: str) -> Tuple[Field, ...]:
     return tuple(line for line in lines if line is not None)
 
 
-def _check_defined(datatype: str, found: Fields, within: List[str]) -> None:
+def _check_defined(datatype: str, found: Fields, within: List[str], checked: Set[str]) -> None:
     if datatype in within:
         raise DefinitionError(f"the type {datatype} contains itself")
     if datatype not in found:
         raise DefinitionError(f"the type {datatype} is not defined")
     for field in found[datatype]:
-        if "/" in field.base:
-            _check_defined(field.base, found, [*within, datatype])
+        if "/" in field.base and field.base not in checked:
+            _check_defined(field.base, found, [*within, datatype], checked)
+    checked.add(datatype)

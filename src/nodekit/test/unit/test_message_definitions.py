@@ -99,3 +99,10 @@ def test_parts_have_names() -> None:
 def test_types_that_cannot_be_are_refused(text: str, words: str) -> None:
     with pytest.raises(DefinitionError, match=words):
         parse("a/A", text)
+
+
+def test_type_used_along_many_paths_is_checked_once() -> None:
+    """Each type has two fields of the next one: 2**40 paths lead to the last."""
+    parts = ["T0 a\nT0 b\n", *(f"MSG: a/T{n}\nT{n + 1} a\nT{n + 1} b\n" for n in range(40))]
+    found = parse("a/A", f"{LINE}\n".join([*parts, "MSG: a/T40\nint8 x"]))
+    assert len(found) == 42

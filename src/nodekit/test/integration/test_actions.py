@@ -40,6 +40,7 @@ from nodekit import (
     ServerGoalHandle,
     SingleThreadedExecutor,
 )
+from nodekit.actions import goal_list
 from nodekit.node import action_server
 from nodekit.node.names import Names
 from nodekit.process.run import init_node
@@ -339,6 +340,16 @@ class Server(Actions):
                 scope.close()
                 self.ended(goal, state)
                 client.stop()
+
+    def test_goal_that_has_ended_leaves_the_status_after_a_while(self) -> None:
+        self.addCleanup(setattr, goal_list, "LISTED_S", goal_list.LISTED_S)
+        goal_list.LISTED_S = 0.0
+        self.node.create_action_server("test", TestAction, self.execute)
+        self.may_end.set()
+        self.ended(self.stock_client().send_goal(TestGoal(1)), GoalState.SUCCEEDED)
+        status = MessageRecorder(f"{self.space}/test/status", GoalStatusArray)
+        self.addCleanup(status.close)
+        status.wait_for(lambda array: not array.status_list)
 
     def test_most_goals_and_the_rest_is_rejected(self) -> None:
         self.addCleanup(setattr, action_server, "MOST_GOALS", action_server.MOST_GOALS)

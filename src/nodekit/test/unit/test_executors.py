@@ -1,6 +1,7 @@
 """Tests of executors with real threads: overlap, counters, failures and shutdown."""
 
 import itertools
+import queue
 import threading
 import time
 from typing import Any, Callable, Iterator, List, Optional, Type
@@ -20,6 +21,7 @@ from nodekit.node.callbacks import (
     SubscriptionCallback,
 )
 from nodekit.node.names import Names
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.ros_node import Node
 from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
@@ -371,6 +373,33 @@ def test_queue_holds_the_given_number_of_messages(queue_size: Optional[int], kep
         waiting.receive(list(range(50)), True)
     assert made.shutdown(TIMEOUT_S)
     assert heard == list(range(50))[-kept:]
+
+
+def test_callbacks_of_scopes_go_to_an_executor_and_back_with_their_node() -> None:
+    made, node = SingleThreadedExecutor(), Node(Names("/one", True))
+    threads: "queue.Queue[threading.Thread]" = queue.Queue()
+    callbacks: List[SubscriptionCallback] = []
+
+    def subscribe(scope: NodeScope) -> None:
+        scope.create_subscription(
+            "topic", String, lambda _: threads.put(threading.current_thread())
+        )
+        callbacks.extend(
+            each for each in scope.callbacks() if isinstance(each, SubscriptionCallback)
+        )
+
+    def threads_of_calls() -> List[threading.Thread]:
+        for callback in callbacks:
+            callback.receive(["message"], True)
+        return [threads.get(timeout=TIMEOUT_S) for _ in callbacks]
+
+    subscribe(node.create_scope().create_scope())
+    made.add_node(node)
+    subscribe(node.create_scope())
+    assert threads_of_calls() == [*made._ready.workers] * 2
+    made.remove_node(node)
+    assert threads_of_calls() == [threading.current_thread()] * 2
+    assert made.shutdown(TIMEOUT_S)
 
 
 @pytest.mark.parametrize("queue_size", [0, -2, 1.5, "10"])

@@ -256,6 +256,8 @@ def test_highest_frequency_of_each_waveform():
     others = {"chirp": 50.0, "multisine": 25.0, "prbs": math.pi / 0.1}
     assert highest == {**dict.fromkeys(WAVEFORMS, 0.0), **periodic, **others}
     assert settings(frequency=-3.0).highest_frequency == 3.0
+    falling = settings(waveform="chirp", chirp_f0=-60.0, chirp_f1=50.0)
+    assert falling.highest_frequency == 60.0
     assert settings(frequency=-31.4, rate=10.0).aliasing == ""
     above = "31.5 rad/s is above the Nyquist frequency of 31.4159 rad/s at a rate of 10 Hz"
     assert settings(frequency=-31.5, rate=10.0).aliasing == above

@@ -233,6 +233,15 @@ def test_later_subscriber_gets_the_last_message_while_it_is_alive(opened, connec
     assert receive(late).data == "next"
 
 
+def test_longest_lifespan_of_a_topic_counts(opened, connect, monkeypatch):
+    monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
+    monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
+    for lifespan in (0.0, 60.0, 0.0):
+        publisher = opened(String, lifespan=lifespan)
+    publisher.publish(String("early"))
+    assert receive(connect(publisher)).data == "early"
+
+
 def test_subscriber_that_was_sent_a_message_is_not_sent_it_again(opened, connect, monkeypatch):
     monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
     publisher = opened(String, lifespan=60.0)

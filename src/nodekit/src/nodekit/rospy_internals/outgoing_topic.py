@@ -91,7 +91,8 @@ def send_directly(
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]
+    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]; of
+        several publishers, the longest counts
     :param depth: most messages held for a subscriber that does not read, see
         :class:`.SubscriberConnection`; of several publishers, the largest counts
     :returns: the topic; None if this process has a plain ``rospy.Publisher`` of it
@@ -108,7 +109,7 @@ def send_directly(
         return None
     if latch:
         topic.enable_latch()
-    topic.lifespan = lifespan
+    topic.lifespan = max(lifespan, topic.lifespan)
     if depth is not None:
         topic.hold_at_least(depth)
     return topic

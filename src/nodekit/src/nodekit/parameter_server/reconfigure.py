@@ -94,7 +94,7 @@ class ReconfigureInterface:
         changes.update((item.name, item.value) for item in request.config.strs)
         held = on_wire(self._live.values)
         # Some clients send all values, also those that another client has just set.
-        news = {n: v for n, v in changes.items() if n in held and not is_same(v, held[n])}
+        news = {n: v for n, v in changes.items() if n not in held or not is_same(v, held[n])}
         try:
             self._live.change(news)
         except ParameterError as error:

@@ -241,11 +241,13 @@ class ClientGoalHandle:
             future.settle(result)
 
     def fail(self, error: Exception) -> None:
-        """Set the error of all answers that are missing.
+        """Set the error of all answers that are missing, unless there is a result.
 
         :param error: the error
         """
         with self._lock:
+            if self._end is not None:
+                return
             self._error, self.status = error, GoalState.LOST
             futures = [self.answer, *self._results, *self._cancels]
             self._results, self._cancels = [], []

@@ -8,6 +8,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from topic_scope.analysis import waves
+from topic_scope.analysis.measurement import Measurement
 from topic_scope.analysis.waveform import measure_waveform, phase
 
 EPOCH = 1.7e9
@@ -51,6 +53,14 @@ def test_rise_time_of_a_sine(frequency: float, at: float, peak: float) -> None:
     assert found["rise"].value == pytest.approx(math.asin(0.8) / math.pi / frequency, rel=0.02)
     assert found["duty"].value == pytest.approx(50.0, abs=0.5)
     assert found["settling"].value is None
+
+
+@pytest.mark.parametrize("error", [-0.01, 0.01])
+def test_uncertainty_of_a_rise_time_covers_that_of_the_frequency(error: float) -> None:
+    wave = waves.wave_of(TIMES, (TIMES % 0.5 < 0.2) * 1.0, Measurement(2.0 + error, abs(error)))
+    assert wave is not None
+    found = waves.rise(wave)
+    assert found.value is not None and found.value - found.uncertainty < 0.002
 
 
 @settings(max_examples=30)

@@ -34,7 +34,7 @@ class Wave(NamedTuple):
     :param rests: whether the wave rests at both
     :param doubt: uncertainty of values and levels
     :param spacing: largest sampling interval [s]
-    :param drift: uncertainty of the position of the last period [s]
+    :param drift: uncertainty of the position of a period, relative to the middle one [s]
     """
 
     times: numpy.ndarray
@@ -89,7 +89,8 @@ def rise(wave: Wave) -> Measurement:
     values = numpy.roll(wave.values, -start)
     times = numpy.roll(wave.times, -start)
     times[len(times) - start :] += wave.period
-    return rise_of(times, values, (low, high), wave.doubt, wave.spacing + wave.drift)
+    # A wrong frequency spreads the edges of all periods over twice the drift.
+    return rise_of(times, values, (low, high), wave.doubt, wave.spacing + 2.0 * wave.drift)
 
 
 def overshoot(wave: Wave) -> Measurement:

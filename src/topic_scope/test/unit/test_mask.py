@@ -245,6 +245,7 @@ def test_failure_is_saved_before_its_samples_are_dropped(
         (["/a", "--around", "/b", "--value", "-1"], "'-1' is not a number from 0 to 1e+300"),
         (["/a", "--around", "/b", "--time", "nan"], "'nan' is not a number from 0 to 600"),
         (["/a", "--around", "/b", "--seconds", "1s"], "'1s' is not a number from 0.1 to 1e+06"),
+        (["/a", "--around", "/b", "--seconds", "3"], "mask: --seconds is for a live trace; a bag"),
     ],
 )
 def test_samples_that_cannot_be_checked_do_not_pass(

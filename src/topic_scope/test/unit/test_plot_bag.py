@@ -11,7 +11,7 @@ import genpy
 import numpy
 import pytest
 from bags import BEGIN, write_bag
-from geometry_msgs.msg import PointStamped
+from geometry_msgs.msg import Point, PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, Int32
 
@@ -318,6 +318,11 @@ def test_bags_are_aligned_where_a_field_rises_through_a_level(
     assert said == "plot_bag: /x/data does not rise through 2 in this time\n"
     said = failure(monkeypatch, capsys, *aligned, "high", "-o", "o.png")
     assert said == "plot_bag: --align: 'high' is not a level\n"
+    point = write_bag(tmp_path / "p.bag", [("/p", Point(), 0), ("/p", Point(), 10**8)])
+    said = failure(monkeypatch, capsys, point, "/p/x", "--align", "/p", "0.5", "-o", "o.png")
+    assert said == "plot_bag: --align: /p denotes /p/x, /p/y, /p/z; name one of them\n"
+    said = failure(monkeypatch, capsys, new, "/x", "--offset", "1", "-o", "o.png")
+    assert said == "plot_bag: 1 --offset for 0 --over; give one for each\n"
     said = failure(monkeypatch, capsys, new, "/x", "--over", old, "-o", "o.csv")
     assert said == "plot_bag: --over and --align do not apply to a .csv, which holds one bag\n"
     assert "no.bag: No such file" in failure(

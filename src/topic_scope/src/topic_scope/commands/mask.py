@@ -30,6 +30,8 @@ OUTSIDE, NOT_CHECKED = 1, 2
 _UNCHECKED = 10.0
 #: How long samples are kept [s]: longer than any formula reaches back and ahead.
 _HISTORY_S = 2.0 * SECONDS + 100.0
+#: How long a live trace is checked by default [s].
+_LENGTH_S = 10.0
 #: Update period of a live graph, and length of bag to read per update [s].
 _LIVE_S, _BAG_S = 0.05, 0.5
 
@@ -203,7 +205,8 @@ def check_live(arguments: argparse.Namespace) -> int:
     states: "queue.Queue[GraphState]" = queue.Queue()
     MasterWatch(source, layouts).start(states.put, lambda _uri: None)
     # Samples before both traces are subscribed to are not checked.
-    start, until = math.inf, time.monotonic() + arguments.seconds
+    length = arguments.seconds or _LENGTH_S
+    start, until = math.inf, time.monotonic() + length
     while time.monotonic() < until and not (start < math.inf and checker.update()):
         try:
             recorder.set_topics(states.get(timeout=_LIVE_S).published_types)
@@ -212,7 +215,7 @@ def check_live(arguments: argparse.Namespace) -> int:
             pass
         now = source.clock.now()
         if start == math.inf and checker.start(now):
-            start, until = now, time.monotonic() + arguments.seconds
+            start, until = now, time.monotonic() + length
     status = checker.finish()
     rospy.signal_shutdown("the check has ended")
     return status
@@ -221,6 +224,8 @@ def check_live(arguments: argparse.Namespace) -> int:
 def main() -> None:
     """Check a trace; exit with 0, 1 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
+    if arguments.bag is not None and arguments.seconds is not None:
+        _fail("--seconds is for a live trace; a bag is checked to its end")
     try:
         sys.exit(check_live(arguments) if arguments.bag is None else check_bag(arguments))
     except (BagError, FieldError) as error:
@@ -264,8 +269,7 @@ def _parser() -> argparse.ArgumentParser:
         "--seconds",
         metavar="S",
         type=_seconds,
-        default=10.0,
-        help="how long to check a live trace [s] (%(default)g)",
+        help=f"how long to check a live trace [s] ({_LENGTH_S:g})",
     )
     parser.add_argument("--bag", metavar="FILE.bag", help="check a recording; needs no master")
     parser.add_argument(

@@ -36,6 +36,9 @@ def main() -> None:
     if arguments.end is not None and arguments.start > arguments.end:
         start, end = arguments.start / 1e9, arguments.end / 1e9
         _fail(f"--start {start:g} is after --end {end:g}")
+    if len(arguments.offset) > len(arguments.over):
+        given = f"{len(arguments.offset)} --offset for {len(arguments.over)} --over"
+        _fail(f"{given}; give one for each")
     try:
         left_out = _write(arguments)
         for text in left_out:
@@ -193,7 +196,11 @@ def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
             by = arguments.offset[number - 1] if 0 < number <= len(arguments.offset) else 0.0
             if arguments.align:
                 field, level = arguments.align[0], float(arguments.align[1])
-                by -= crossing(_series(bag, [field], arguments)[0][0], level)
+                aligned, _ = _series(bag, [field], arguments)
+                if len(aligned) > 1:
+                    names = ", ".join(one.name for one in aligned)
+                    raise FieldError(f"--align: {field} denotes {names}; name one of them")
+                by -= crossing(aligned[0], level)
             left_out += missing
         called = "" if number == 0 else f" ({os.path.basename(name)})"
         drawn += [moved(one, by, one.name + called) for one in lines]

@@ -132,6 +132,35 @@ class Modules(BrowserTest):
             self.assertEqual((reply["fields"], reply["plots"]), (fields, expected))
             self.assertEqual(reply["axes"], {"x": axes["x"], **axes_then})
 
+    def test_quotes_and_brackets_in_names_may_have_any_characters(self) -> None:
+        level, odd = "/d/status[name=v1.5 a@b-/c]/level", '"/ORB-SLAM"/pose'
+        available = [
+            {"field": level, "datatype": "uint8", "topic": "/d"},
+            {"field": f"{odd}/x", "datatype": "float64", "topic": "/ORB-SLAM"},
+            {"field": '"/ORB-SLAM"/header/stamp', "datatype": "time", "topic": "/ORB-SLAM"},
+            {"field": "/ORB/header/stamp", "datatype": "time", "topic": "/ORB"},
+        ]
+        parted, sources, computed, stepped, names = self.browser.call(
+            "choose/timestamp_source.js",
+            "await (async () => { const [available, fields] = a;"
+            " const traces = await import('/static/js/state/traces.js');"
+            " const { inTopic } = await import('/static/js/base/names.js');"
+            " const values = { available, traces: new Map() };"
+            " return [fields.map(module.splitSource), module.sourcesOf(available, '/ORB-SLAM'),"
+            " fields.map(traces.isComputed),"
+            " fields.map((field) => traces.isStepped(values, field)),"
+            " available.map(inTopic)]; })()",
+            available,
+            [level, f"{level}@stamp", f"{odd}/x", f"/a/x-{odd}/x"],
+        )
+        self.assertEqual(parted[:3], [[level, ""], [level, "stamp"], [f"{odd}/x", ""]])
+        self.assertEqual(sources, ["received", "stamp"])
+        self.assertEqual(computed, [False, False, False, True])
+        self.assertEqual(stepped, [True, True, False, False])
+        expected = ["status[name=v1.5 a@b-/c]/level", "pose/x", "header/stamp", "header/stamp"]
+        self.assertEqual(names, expected)
+
+
     def test_trace_settings_are_read_back(self) -> None:
         chosen = {
             "/a": {"plot": 2},

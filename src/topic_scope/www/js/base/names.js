@@ -28,6 +28,22 @@ export function byName(a, b) {
 export const partsOf = (name) => name.match(/[/[.@]?[^/[.@_]*_*/g).filter(Boolean);
 
 /**
+ * Mask the contents of quotes and brackets, which may have any characters; the length stays.
+ * @param {string} name of a trace, such as "/ORB-SLAM"/pose/x or /diagnostics/status[name=a@b]/level
+ * @returns {string}
+ */
+export const bare = (name) => name.replace(/"\/[^"]*"|\[[^\]]*\]/g, (part) =>
+  (part.startsWith("[") ? "" : "/").padEnd(part.length, "_"));
+
+/**
+ * Return the name of a field in the messages of its topic.
+ * @param {{field: string, topic: string}} choice a topic is in quotes in the name if necessary
+ * @returns {string} the whole name if the topic is unknown
+ */
+export const inTopic = ({ field, topic }) =>
+  (topic && field.slice(topic.length + (field.startsWith('"') ? 3 : 1))) || field;
+
+/**
  * Make a test of whether a text has all the words of a search.
  * @param {string} search
  * @returns {{words: string[], fits: function(string): boolean}}

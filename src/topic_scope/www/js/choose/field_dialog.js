@@ -2,6 +2,7 @@
 
 import { byId, make, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
+import { bare, inTopic } from "../base/names.js";
 import { isFormula } from "../state/traces.js";
 import { found, isUseful } from "./field_list.js";
 import { FormulaEntry } from "./formula.js";
@@ -76,10 +77,9 @@ export function startChooser(state, send) {
         computed.value = "";
       },
     }, ...options([["", "…"], ...FUNCTIONS]));
-    const name = (topic && field.slice(topic.length + 1)) || field;
-    return make("label", { title: field }, box, make("span", {}, name),
+    return make("label", { title: field }, box, make("span", {}, inTopic({ field, topic })),
       make("span", { class: "type" }, datatype),
-      field.includes(".") || [TYPED, FORMULA].includes(datatype) ? null : computed);
+      bare(field).includes(".") || [TYPED, FORMULA].includes(datatype) ? null : computed);
   }
 
   function group({ topic, datatype, fields }, isOpen) {

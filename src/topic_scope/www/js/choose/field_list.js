@@ -1,6 +1,6 @@
 /** List of the fields to choose from: by topic, the most useful fields first. */
 
-import { byName, searchFor } from "../base/names.js";
+import { byName, inTopic, searchFor } from "../base/names.js";
 
 /** Types of topics that are about the nodes themselves. */
 const HIDDEN = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
@@ -20,7 +20,7 @@ export const isHidden = (datatype) => HIDDEN.test(datatype);
  * @param {{field: string, topic: string}} choice
  * @returns {boolean}
  */
-export const isUseful = ({ field, topic }) => !FORMAL.test(field.slice(topic.length + 1));
+export const isUseful = (choice) => !FORMAL.test(inTopic(choice));
 
 /** Replace the index of a field by an unlisted index in the search: /scan/ranges[0] with [200]. */
 function withElements(choice, words) {

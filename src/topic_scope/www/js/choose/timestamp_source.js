@@ -1,6 +1,7 @@
 /** Timestamp source of a trace, which follows an @ in the name of the field. */
 
 import { make, options, setText } from "../base/dom.js";
+import { bare, inTopic } from "../base/names.js";
 import { isComputed } from "../state/traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
@@ -11,21 +12,21 @@ const LIKE_A_TIME = /(time|stamp)[^/]*$/;
  * @returns {[string, string]} the field, and the source, empty if the scope chooses
  */
 export function splitSource(name) {
-  const at = name.indexOf("@");
+  const at = bare(name).indexOf("@");
   return at < 0 ? [name, ""] : [name.slice(0, at), name.slice(at + 1)];
 }
 
 /**
  * List the timestamp sources that the messages of a topic have.
- * @param {Array<{field: string, datatype: string}>} available
+ * @param {Array<{field: string, datatype: string, topic: string}>} available
  * @param {string} topic
  * @returns {string[]}
  */
 export function sourcesOf(available, topic) {
   const own = available
-    .filter(({ field, datatype }) => field.startsWith(`${topic}/`) &&
+    .filter(({ field, datatype, topic: other }) => other === topic &&
       (datatype === "time" || (datatype === "float64" && LIKE_A_TIME.test(field))))
-    .map(({ field }) => field.slice(topic.length + 1));
+    .map(inTopic);
   return ["received", ...own.map((name) => (name === "header/stamp" ? "stamp" : name))];
 }
 

@@ -1,10 +1,11 @@
 /** Traces that are states: texts over time, as the server sends them. */
 
+import { bare } from "../base/names.js";
+
 const SEVERAL = -1; // index of the text for many short states
 
 /** Whether a name denotes a state. */
-export const isState = (field) =>
-  !field.startsWith("=") && /\.state(@[^@]*)?$/.test(field.replace(/"[^"]*"|\[[^\]]*\]/g, ""));
+export const isState = (field) => !field.startsWith("=") && /\.state(@[^@]*)?$/.test(bare(field));
 
 /** Return the numeric fields. */
 export const numbersOf = (fields) => fields.filter((field) => !isState(field));

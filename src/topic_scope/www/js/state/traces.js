@@ -1,5 +1,6 @@
 /** Settings of each trace other than axis and colour. */
 
+import { bare } from "../base/names.js";
 import { typed } from "../base/numbers.js";
 import { isState, numbersOf } from "./states.js";
 
@@ -81,7 +82,7 @@ export const differenceOf = (field, less) => `${field}-${less}`;
 export const isFormula = (text) => text.startsWith("=");
 
 /** Whether a name denotes a computed trace: a formula, or a difference. */
-export const isComputed = (field) => isFormula(field) || field.includes("-/");
+export const isComputed = (field) => isFormula(field) || bare(field).includes("-/");
 
 const COUNTED = /^(bool|byte|char|u?int\d+)$/;
 const typesOf = new WeakMap(); // list of fields -> types by field
@@ -91,13 +92,14 @@ function typeOf({ available }, field) {
   if (!typesOf.has(available)) {
     typesOf.set(available, new Map(available.map(({ field: name, datatype }) => [name, datatype])));
   }
-  return typesOf.get(available).get(field.replace(/[.@].*/, "").replace(/\[\d+\]/g, "[0]"));
+  const end = bare(field).search(/[.@]|$/);
+  return typesOf.get(available).get(field.slice(0, end).replace(/\[\d+\]/g, "[0]"));
 }
 
 /** Whether a trace is stepped; the default for integers and Booleans. */
 export function isStepped(values, field) {
   const { drawn } = chosenOf(values, field);
-  const isValue = !isComputed(field) && !isState(field) && !/\.(derivative|unwrap|yaw)/.test(field);
+  const isValue = !isComputed(field) && !isState(field) && !/\.(derivative|unwrap|yaw)/.test(bare(field));
   return drawn ? drawn === "steps" : isValue && COUNTED.test(typeOf(values, field) || "");
 }
 

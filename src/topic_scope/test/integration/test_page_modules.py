@@ -161,6 +161,25 @@ class Modules(BrowserTest):
         self.assertEqual(names, expected)
 
 
+    def test_axis_that_ends_before_it_begins_is_explained(self) -> None:
+        said = self.browser.call(
+            "plot/axes.js",
+            """(() => {
+              const y = { title: "", low: null, high: 1 };
+              const values = { axes: { x: { title: "" }, y, y2: y }, fields: [],
+                traces: new Map(), window: 5, history: 60 };
+              const setAxis = (name, changes) => Object.assign(values.axes[name], changes);
+              module.startAxes({ values, setAxis })();
+              const input = document.querySelector("[aria-label='left axis, from']");
+              input.value = "5";
+              input.dispatchEvent(new Event("change"));
+              document.getElementById("axes").close();
+              return document.getElementById("notice").textContent;
+            })()""",
+        )
+        self.assertEqual(said, "The left axis cannot go from 5 to 1: its range is automatic.")
+
+
     def test_trace_settings_are_read_back(self) -> None:
         chosen = {
             "/a": {"plot": 2},

@@ -1,6 +1,7 @@
 /** The dialog with titles and ranges of the axes. */
 
 import { byId, make } from "../base/dom.js";
+import { notify } from "../base/link.js";
 import { readNumber, typed } from "../base/numbers.js";
 import { axisName, axisOf, axisParts, plotCount } from "../state/traces.js";
 
@@ -49,8 +50,15 @@ export function startAxes(state) {
   function boundField(name, bound) {
     const label = `${called(name)}, ${bound === "low" ? "from" : "to"}`;
     return numberField(label, axisOf(state.values, name)[bound], (number) => {
-      if (Number.isNaN(number)) fill();
-      else state.setAxis(name, { [bound]: number });
+      if (Number.isNaN(number)) {
+        fill();
+        return;
+      }
+      state.setAxis(name, { [bound]: number });
+      const { low, high } = axisOf(state.values, name);
+      if (low !== null && high !== null && low >= high) {
+        notify(`The ${called(name)} cannot go from ${typed(low)} to ${typed(high)}: its range is automatic.`);
+      }
     });
   }
 

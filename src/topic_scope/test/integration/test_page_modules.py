@@ -160,7 +160,6 @@ class Modules(BrowserTest):
         expected = ["status[name=v1.5 a@b-/c]/level", "pose/x", "header/stamp", "header/stamp"]
         self.assertEqual(names, expected)
 
-
     def test_axis_that_ends_before_it_begins_is_explained(self) -> None:
         said = self.browser.call(
             "plot/axes.js",
@@ -178,7 +177,6 @@ class Modules(BrowserTest):
             })()""",
         )
         self.assertEqual(said, "The left axis cannot go from 5 to 1: its range is automatic.")
-
 
     def test_trace_settings_are_read_back(self) -> None:
         chosen = {
@@ -602,9 +600,15 @@ class Modules(BrowserTest):
 
     def test_frames_are_joined_and_forgotten(self) -> None:
         frames = [
-            {"now": 10, "bin": 1, "reset": True, "first": 5, "traces": {"f": [1, 2, 3, 4]}},
+            {
+                **{"now": 10, "bin": 1, "reset": True, "first": 5},
+                **{"traces": {"f": [1, 2, 3, 4]}, "counts": {"f": [3, 4]}},
+            },
             # The last bin is replaced, one is added, and a trace is new.
-            {"now": 11, "bin": 1, "reset": False, "first": 6, "traces": {"f": [3, 9, 5, 6]}},
+            {
+                **{"now": 11, "bin": 1, "reset": False, "first": 6},
+                **{"traces": {"f": [3, 9, 5, 6]}, "counts": {"f": [5, 6]}},
+            },
             {
                 "now": 12,
                 "bin": 1,
@@ -618,13 +622,13 @@ class Modules(BrowserTest):
             "(() => { const buffer = new module.TraceBuffer();"
             " const values = (field) => buffer.traces.get(field)?.slice() ?? null;"
             " return a[0].map((frame) => { buffer.apply(frame, 1);"
-            " return [buffer.first, values('f'), values('g')]; }); })()",
+            " return [buffer.first, values('f'), values('g'), buffer.at('f', 6.5).count]; }); })()",
             frames,
         )
-        self.assertEqual(answers[0], [5, [1, 2, 3, 4], None])
-        self.assertEqual(answers[1], [5, [1, 2, 3, 9, 5, 6], None])
+        self.assertEqual(answers[0], [5, [1, 2, 3, 4], None, 4])
+        self.assertEqual(answers[1], [5, [1, 2, 3, 9, 5, 6], None, 5])
         # A second and two more bins are kept: the oldest bin is dropped.
-        self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0]])
+        self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0], 5])
 
     def test_sweep_is_held_once_complete(self) -> None:
         for mode in ("normal", "single"):
@@ -650,6 +654,88 @@ class Modules(BrowserTest):
             if mode == "normal":  # held despite new frames; a single sweep gets no more frames
                 self.assertEqual(held[3:], held[2:3] * 2)
             self.assertEqual(values["end"], 11 if mode == "single" else None)
+
+    def test_next_crossing_does_not_discard_the_sweep_of_the_last_one(self) -> None:
+        times = self.browser.call(
+            "state/sweep.js",
+            "(() => { const values = {window: 2, end: null, trigger: {mode: 'normal'}};"
+            " const sweep = new module.Sweep({values, on() {}});"
+            " const frame = (now) => { sweep.onFrame({now, bin: 0.1, reset: false,"
+            " first: Math.round(10 * now), traces: {f: [0, 1]}});"
+            " return sweep.held?.time ?? null; };"
+            " sweep.onTrigger({state: 'triggered', time: 10}); const held = [frame(10.9)];"
+            " sweep.onTrigger({state: 'triggered', time: 11}); return [...held,"
+            " ...[11, 11.9, 12].map(frame)]; })()",
+        )
+        self.assertEqual(times, [None, 10, 10, 11])
+
+    def test_late_image_of_another_topic_is_not_shown(self) -> None:
+        shown = self.browser.call(
+            "measure/images.js",
+            """await (async () => {
+              const native = globalThis.fetch;
+              const description = JSON.stringify({ time: 1, known: "7", text: "an image" });
+              globalThis.fetch = async () => ({ ok: true, status: 200, blob: async () => new Blob(),
+                headers: new Map([["Image-Description", description]]) });
+              const panel = { topic: "/b", known: "", picture: document.createElement("img") };
+              const { load: method } = module.Images.prototype;
+              const load = (topic) => method.call(panel, topic, { time: null });
+              await load("/a");
+              const before = panel.known;
+              await load("/b");
+              globalThis.fetch = native;
+              return [before, panel.known];
+            })()""",
+        )
+        self.assertEqual(shown, ["", "7"])
+
+    def test_each_mask_shows_its_limits_once_and_stops_at_its_first_failure(self) -> None:
+        changes = self.browser.call(
+            "measure/mask.js",
+            """(() => {
+              const native = globalThis.fetch, changes = [];
+              globalThis.fetch = () => Promise.reject();
+              const state = { values: { fields: ["/a", "/b"], window: 4 },
+                set: (change) => changes.push(change) };
+              const mask = module.startMask(state, () => {});
+              mask.choose("/a");
+              for (const first of [10, 20]) {
+                document.getElementById("mask-begin").click();
+                for (const time of [first, first + 1]) {
+                  mask.onResult({ text: "", first: time, limits: [`/limit${first}`] });
+                }
+              }
+              document.getElementById("mask-end").click();
+              globalThis.fetch = native;
+              return changes;
+            })()""",
+        )
+        expected = [
+            change
+            for first in (10, 20)
+            for change in ({"fields": ["/a", "/b", f"/limit{first}"]}, {"end": first + 1})
+        ]
+        self.assertEqual(changes, expected)
+
+    def test_two_fingers_zoom_until_one_is_lifted_or_cancelled(self) -> None:
+        counts = self.browser.call(
+            "base/pointers.js",
+            """a[0].map((end) => {
+              const element = document.createElement("div");
+              let count = 0;
+              module.startTwoFingers(element, () => { count += 1; });
+              const touch = (type, pointerId, clientX) => element.dispatchEvent(
+                new PointerEvent(type, { pointerId, clientX, pointerType: "touch" }));
+              touch("pointerdown", 1, 0);
+              touch("pointerdown", 2, 100);
+              touch("pointermove", 2, 150);
+              touch(end, 2, 150);
+              touch("pointermove", 1, 50);
+              return count;
+            })""",
+            ["pointerup", "pointercancel"],
+        )
+        self.assertEqual(counts, [1, 1])
 
     def test_states_are_read_as_they_are_sent(self) -> None:
         states = {
@@ -819,6 +905,20 @@ class Modules(BrowserTest):
         )
         self.assertEqual(places, ["4", "3", "3", "3"])
 
+    def test_escape_withdraws_a_rejected_value(self) -> None:
+        parameter = {"name": "level", "kind": "float", "value": 1, "labels": []}
+        reply = self.browser.call(
+            "controls/parameter.js",
+            "(() => { const sent = [];"
+            " const it = new module.Parameter(a[0], false, (value) => sent.push(value));"
+            " it.control.value = '7'; it.control.dispatchEvent(new Event('change'));"
+            " it.refuse('must be below 5', true);"
+            " it.control.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape' }));"
+            " return [sent, it.control.value, it.refusal.hidden]; })()",
+            parameter,
+        )
+        self.assertEqual(reply, [[7, 1], "1", True])
+
     def test_long_names_are_broken_after_their_parts(self) -> None:
         wrapped = self.browser.call(
             "measure/picture.js",
@@ -888,6 +988,7 @@ class Modules(BrowserTest):
         self.assertEqual(len(answers), len(cases))
         for (text, _, expected, hidden), reply, found in zip(cases, answers, groups):
             self.assertEqual(reply["hidden"], hidden, text)
+            self.assertEqual(reply["count"], sum(map(len, found)), text)
             if expected is not None:
                 self.assertEqual([group[0] for group in found], expected, text)
         self.assertEqual(groups[0][0], robot)

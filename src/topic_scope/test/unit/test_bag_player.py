@@ -175,6 +175,25 @@ def test_messages_of_equal_times_get_distinct_times(
         assert time == pytest.approx(START + value // 20 * 0.01, abs=1.5e-5)
 
 
+def test_times_of_successive_outputs_are_distinct(
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
+) -> None:
+    path, clock = tmp_path / "x.bag", Clock()
+    with rosbag.Bag(str(path), "w") as file:
+        for time in (0, 0, 400, 10**7):  # ns; the second is output after the recording of the third
+            file.write("/a", Int32(), genpy.Time(0, BEGIN + time))
+    player = playing(opened(path), clock, "/a")
+    loaded(player)
+    player.play()
+    batches = list(player.subscriptions()["/a"].drain())
+    assert len(batches[0].messages) == 2
+    clock.time += 1.0
+    player.now()
+    batches += player.subscriptions()["/a"].drain()
+    times = [time for batch in batches for time in batch.times]
+    assert times == sorted(set(times)) and len(times) == 4
+
+
 def test_only_requested_topics_are_output_and_more_after_a_seek(bag: Ros1Recording) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)

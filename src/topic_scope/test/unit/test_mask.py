@@ -57,6 +57,20 @@ def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
     assert result.text == "334 samples inside, 5 outside"
 
 
+def test_worst_excess_is_that_of_all_samples_so_far() -> None:
+    source, mask = TimedSource(), Mask("/a/data", "/b/data", 1.0, 0.0)
+    made = recording(source, *mask.names)
+    check = MaskCheck(mask, 1000.0)
+    for begin, peak in ((1001.0, 5.0), (1002.0, 3.0)):
+        times = [begin + STEP_S * index for index in range(100)]
+        source.time = times[-1]
+        source.receive("/a", times, [peak] + 99 * [0.0])
+        source.receive("/b", times, 100 * [0.0])
+        made.update()
+        result = check.update(made)
+    assert (result.outside, result.worst) == (2, 4.0)
+
+
 @pytest.mark.parametrize("time", [pytest.param(35.0, marks=pytest.mark.extended), 80.0])
 def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) -> None:
     source = TimedSource()

@@ -248,6 +248,22 @@ def test_stamps_are_exact_to_the_nanosecond_in_the_rows_of_formulas(
     assert rows == ["0.000000000,0.0,1.0", "0.099999999,1.0,2.0"]
 
 
+def test_late_messages_keep_their_values_beside_formulas(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    messages: List[Any] = []
+    for index, stamp in enumerate((0, 2, 1, 3)):
+        message = PointStamped()
+        message.header.stamp = genpy.Time(0, BEGIN + stamp * 10**8)
+        message.point.x = stamp
+        messages.append(("/p", message, index * 10**8))
+    bag = write_bag(tmp_path / "p.bag", messages)
+    monkeypatch.chdir(tmp_path)
+    call(monkeypatch, bag, "/p/point/x@stamp", "=2 * /p/point/x@stamp", "-o", "out.csv")
+    rows = [row.split(",")[1:] for row in Path("out.csv").read_text().splitlines()[1:]]
+    assert rows == [[f"{x}.0", f"{2 * x}.0"] for x in range(4)]
+
+
 def test_corrections_are_reported(
     tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
@@ -301,6 +317,8 @@ def test_another_bag_is_overlaid_with_an_offset(
     assert first.times[0] == 0.0 and over.times[0] == -0.75
     other = drawn(monkeypatch, new, "=2*/x", "--over", old, "--over", new, "--offset", "3")
     assert [one.times[0] for one in other] == [0.0, 3.0, 0.0]
+    _, moved = drawn(monkeypatch, new, "/x", "--over", old, "--offset", "3", "--align", "/x", "0.5")
+    assert moved.times[0] == pytest.approx(0.75)
     assert other[1].name == "=2 * /x/data (old.bag)"
 
 

@@ -152,6 +152,19 @@ def test_look_ahead_needs_samples_on_both_sides() -> None:
     assert problem and problem.startswith("it needs 0 s before and 11 s after each, and")
 
 
+def test_late_sample_changes_earlier_values_of_a_formula_that_looks_ahead() -> None:
+    source = FakeSource()
+    made = recording(source, "=delay(/a/data, -2)")
+    for second in range(10):
+        source.send(Float32, second)
+        seen = made.update()
+    late = nanoseconds([1005.5])
+    source.topics["/a"].batches.append(Batch(header(Float32), late, [struct.pack("<f", 7.0)]))
+    source.time += 0.1
+    made.update()
+    assert made.changed_since(seen) == pytest.approx(1003.5)
+
+
 def test_fields_stay_requested_after_a_reset() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")

@@ -3,6 +3,7 @@
 import json
 import math
 from typing import Any, Dict, List
+from unittest import mock
 
 import numpy
 import pytest
@@ -14,10 +15,13 @@ from test_message_reader import serialized
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.messages.message_layout import layout_of, parse
 from topic_scope.messages.message_reader import MessageReader
+from topic_scope.page.open_page import Page
 from topic_scope.robots import scene
 from topic_scope.robots.scene import Scene
+from topic_scope.robots.scene_feed import SceneFeed
 
 
 def turn(orientation: Any, angle: float) -> None:
@@ -191,3 +195,15 @@ def test_message_with_wrong_fields_is_rejected() -> None:
     for datatype in scene.TYPES:
         with pytest.raises((LookupError, TypeError, ValueError)):
             Scene().add_message("/x", datatype, {"data": 1.0}, 0.0)
+
+
+def test_page_that_enters_after_the_last_one_left_gets_no_outdated_scene() -> None:
+    source = mock.Mock(**{"clock.now.return_value": 1.0, "subscriptions.return_value": {}})
+    feed = SceneFeed(source, Layouts())
+    first, later = Page(5.0), Page(5.0)
+    feed.enter(first)
+    feed.update()
+    assert [message["type"] for message in first.pop_messages()] == ["robots"]
+    feed.leave(first)
+    feed.enter(later)
+    assert later.pop_messages() == []

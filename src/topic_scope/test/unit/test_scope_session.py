@@ -50,10 +50,15 @@ class PageSocket:
 
 
 @pytest.fixture
-def session() -> Iterator[ScopeSession]:
+def source() -> DataSource:
+    return DataSource()
+
+
+@pytest.fixture
+def session(source: DataSource) -> Iterator[ScopeSession]:
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
-    yield ScopeSession(options.parse([]), DataSource())  # type: ignore[arg-type]
+    yield ScopeSession(options.parse([]), source)  # type: ignore[arg-type]
     asyncio.set_event_loop(None)
     loop.close()
 
@@ -94,6 +99,17 @@ def test_request_is_handled_or_rejected_with_a_reason(session: ScopeSession) -> 
     for text in ("{", '{"type": "chart"}', '{"type": "nothing"}'):
         session.handle(page, text)
     assert [message["type"] for message in page.pop_messages()] == ["error"] * 3
+
+
+def test_images_are_requested_until_their_last_page_closes(
+    source: DataSource, session: ScopeSession
+) -> None:
+    session.on_topics({"/camera": "sensor_msgs/Image"})
+    socket = PageSocket(session)
+    session.handle(socket.page, '{"type": "images", "topic": "/camera"}')
+    assert source.source.want.call_args == mock.call(["/camera"], True)
+    session.close(socket)  # type: ignore[arg-type]
+    assert source.source.want.call_args == mock.call([], False)
 
 
 def test_missing_field_of_command_line_is_logged(

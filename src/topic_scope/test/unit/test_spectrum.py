@@ -100,6 +100,7 @@ def test_a_part_of_few_periods_has_no_figures(averages: int) -> None:
 )
 @settings(max_examples=100)
 @example(1.0, 0.0, "hann", 4, 0)
+@example(48.0, 0.0, "rectangular", 64, 0)
 def test_peak_is_within_its_uncertainty_or_not_measurable(
     frequency: float, angle: float, window: str, averages: int, seed: int
 ) -> None:

@@ -4,8 +4,10 @@ import struct
 from pathlib import Path
 from typing import List
 
+import genpy
 import pytest
-from bags import nanoseconds, write_bag
+import rosbag
+from bags import BEGIN, nanoseconds, write_bag
 from std_msgs.msg import Int32, Int64, UInt64
 from test_recorder import FakeSource, header, recording
 
@@ -41,6 +43,9 @@ def test_rounded_whole_numbers_are_named_on_the_page(
     data = [struct.pack(code, value) for value in values]
     source.topics["/a"].batches.append(Batch(header(message_class), times, data))
     made.update()
+    smaller = Batch(header(message_class), nanoseconds([source.time + 1.0]), [struct.pack(code, 5)])
+    source.topics["/a"].batches.append(smaller)
+    made.update()
     for name in ("/a/data", "=2 * /a/data"):
         trace = made.trace(name)
         assert trace is not None and trace.correction == text(step)
@@ -55,3 +60,14 @@ def test_rounded_whole_numbers_are_named_by_plot_bag(
         lines, readers = chosen(bag, first_messages(bag), ["/a/data"])
         (series,) = series_of(bag, lines, readers, slices(bag, ["/a"]))
     assert series.correction == text(step)
+
+
+def test_numbers_after_a_rounded_one_do_not_end_its_report(tmp_path: Path) -> None:
+    path = str(tmp_path / "x.bag")
+    with rosbag.Bag(path, "w", chunk_threshold=1) as file:  # a chunk for each message
+        for number, value in enumerate([2**62, 5]):
+            file.write("/a", Int64(value), genpy.Time(0, BEGIN + number))
+    with Ros1Recording(path) as bag:
+        lines, readers = chosen(bag, first_messages(bag), ["/a/data"])
+        (series,) = series_of(bag, lines, readers, slices(bag, ["/a"]))
+    assert series.correction == text(1024)

@@ -9,7 +9,7 @@ from std_msgs.msg import String
 from nodekit.groups.callback_groups import Group
 from nodekit.managed.activation_gate import ActivationGate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
-from nodekit.node.timers import NodeTimer
+from nodekit.node.timers import NodeTimer, ParameterRates
 from nodekit.testing.waiting import in_thread
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
@@ -99,6 +99,23 @@ def test_wrong_argument_is_refused_while_the_node_is_not_active(latch: bool) -> 
         with pytest.raises(TypeError, match="topic /words: refused"):
             publisher.publish(argument)
     assert publisher.dropped == 0
+
+
+def test_closed_timer_does_not_ask_for_its_rate(scheduler: Scheduler) -> None:
+    asked: List[str] = []
+
+    def rate() -> float:
+        asked.append("rate")
+        return 0.0
+
+    rates = ParameterRates()
+    timer = NodeTimer(scheduler, Group(), rate, lambda _elapsed: None, 0.0, "timer")
+    rates.add(timer)
+    NodeTimer.start_together([timer])
+    rates.update()
+    timer.close()
+    rates.update()
+    assert len(asked) == 2
 
 
 def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(

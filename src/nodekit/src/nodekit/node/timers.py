@@ -78,7 +78,7 @@ class NodeTimer(Callback):
 
     def update_rate(self) -> None:
         """Call the rate function, if there is one; keep the old rate if it raises an exception."""
-        if callable(self._rate) and self._is_started:
+        if callable(self._rate) and self._is_started and not self.closed:
             query = next(self._queries)
             try:
                 rate = self._rate()

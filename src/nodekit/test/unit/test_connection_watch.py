@@ -3,11 +3,15 @@
 import contextlib
 import xmlrpc.client
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Iterator, List
 
 import pytest
+import rospy
 
+from nodekit.rospy_internals import connection_watch
 from nodekit.testing.processes import Master, Process, free_port
+from nodekit.testing.waiting import wait_until
 
 NODE = """
 import nodekit
@@ -51,6 +55,30 @@ def running(master: Master, folder: Path, *programs: str) -> Iterator[List[Proce
     finally:
         for process in processes:
             process.end()
+
+
+def test_publisher_that_was_warned_of_is_not_waited_for_again(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    warnings: List[str] = []
+    subscribed = SimpleNamespace(get_subscriber_impl=lambda _name: SimpleNamespace(connections=[]))
+    monkeypatch.setattr(connection_watch, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(connection_watch, "_PERIOD_S", 0.001)
+    monkeypatch.setattr(connection_watch, "get_topic_manager", lambda: subscribed)
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *values: warnings.append(text % values))
+
+    def request(calls: List[Any]) -> List[Any]:
+        if calls == [("getSystemState",)]:
+            return [(1, "", ([("/topic", ["/elsewhere"])], [], []))]
+        return [(1, "", "http://elsewhere:1/")]
+
+    watch = connection_watch.ConnectionWatch(request)
+    for reason in ("no route", "no route any longer"):
+        watch.fail("/topic", "http://elsewhere:1/", reason)
+        watch.begin("/topic", "http://elsewhere:1/")
+        wait_until(lambda: not watch._is_running, lambda: "still waiting")
+    (warning,) = warnings
+    assert "/elsewhere at http://elsewhere:1/ (no route)" in warning
 
 
 @pytest.mark.extended

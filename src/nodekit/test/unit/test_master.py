@@ -13,7 +13,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from nodekit import master as client_of_master
-from nodekit.master import MasterClient, MasterUnreachable
+from nodekit.master import MasterClient, MasterUnreachable, SystemState
 from nodekit.parameter_server.live_parameters import write_missing
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.parameter_types import MISSING, UNREADABLE
@@ -125,6 +125,24 @@ def test_system_state_and_topic_types() -> None:
         assert state.publishers == [("/t", ["/n"])]
         assert state.services == [("/n/describe", ["/n"])]
         assert client.topic_types() == {"/t": "std_msgs/String"}
+
+
+@pytest.mark.parametrize(
+    "below, found",
+    [
+        ("/", ["/robot1/arm", "/robot1/base", "/robot10/base"]),
+        ("/robot1", ["/robot1/arm", "/robot1/base"]),
+        ("/robot10/base", ["/robot10/base"]),
+    ],
+)
+def test_namespaces_of_a_service_are_at_or_below_a_name(
+    monkeypatch: "pytest.MonkeyPatch", below: str, found: List[str]
+) -> None:
+    names = ["/robot10/base/change", "/robot1/base/change", "/robot1/arm/change", "/robot1/stop"]
+    state = SystemState([], [], [(name, ["/n"]) for name in names])
+    monkeypatch.setattr(MasterClient, "system_state", lambda _client: state)
+    client = MasterClient("/n", master_uri="http://localhost:1/")
+    assert client.namespaces_offering("change", below) == found
 
 
 def test_value_that_cannot_be_sent_hides_no_other() -> None:

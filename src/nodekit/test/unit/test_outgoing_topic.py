@@ -329,6 +329,15 @@ def test_where_there_is_a_plain_publisher_its_queue_is_used(opened, make_plain, 
     assert ours.statistics() == []
 
 
+def test_closed_topic_gives_back_its_shared_memory(opened):
+    publisher = opened(String)
+    memory = publisher._topic._memory
+    assert memory.write([b"content"], 0, 0, 0) is not None
+    assert memory.pool.size
+    publisher.close()
+    assert not memory.pool.size
+
+
 def test_subscriber_that_has_gone_is_forgotten(opened, connect):
     publisher = opened(String)
     gone, rest = (connect(publisher, name) for name in ("/gone", "/rest"))

@@ -2,7 +2,7 @@
 
 import math
 import types
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import pytest
 import rospy
@@ -13,6 +13,7 @@ from bot_controller_demo.control.geometry import Goal, pose_fault
 from bot_controller_demo.control.staleness import Staleness
 from bot_controller_demo.driving.driver import Driver
 from bot_controller_demo.nodes.proportional_controller import ProportionalControllerParameters
+from bot_controller_demo_msgs.msg import Progress
 
 
 class FakeNode:
@@ -58,6 +59,7 @@ class Bench:
             )
         self.node = FakeNode()
         self.is_driving = False
+        self.progress: Optional[Progress] = None
         self.node.on_command = self._on_command
         values = ProportionalControllerParameters()
         node: Any = self.node
@@ -75,10 +77,11 @@ class Bench:
         self.now += 0.05
         message = Odometry()
         message.header.stamp = rospy.Time.from_sec(self.now - behind)
+        message.header.frame_id = "map"
         message.pose.pose.orientation.w = w
         message.pose.pose.position.x = x
         self.node.callbacks["odom"](message)
-        self.driver.step()
+        self.progress = self.driver.step()
         return self.is_driving
 
 
@@ -113,6 +116,20 @@ def test_unusable_odometry_stops_the_robot_and_is_named_once(
     drives = [bench.step(**unusable) for _ in range(40)]
     assert not drives[-1]
     assert [line for _, line in bench.log[2:] if reason in line]
+
+
+def test_progress_has_the_stamp_and_the_frame_of_the_odometry(bench: Bench) -> None:
+    for _ in range(2):
+        assert bench.step(behind=0.02) and bench.progress is not None
+        header = bench.progress.header
+        assert (header.stamp.to_sec(), header.frame_id) == (pytest.approx(bench.now - 0.02), "map")
+
+
+def test_time_without_odometry_is_not_without_progress(bench: Bench) -> None:
+    assert bench.step()
+    bench.now += 100.0
+    assert bench.driver.step() is None
+    assert [bench.step() for _ in range(10)] == [True] * 10
 
 
 def test_missing_odometry_is_waited_for_without_a_warning(bench: Bench) -> None:

@@ -8,7 +8,7 @@ from test_differences import TimedSource, recording
 
 from topic_scope.page import charts
 from topic_scope.page.open_page import Page
-from topic_scope.page.view import pinned
+from topic_scope.page.view import LATE_S, LiveView, pinned
 from topic_scope.protocol.requests import Chart, Measure, View
 from topic_scope.protocol.scaling import Scaling, TraceScale
 
@@ -124,3 +124,11 @@ def test_paused_page_keeps_plot_and_figures_consistent(
     assert (figures["min"], figures["max"]) == (highest[0], highest[-1])
     assert [shown[1016 + second] for second in range(5)] == highest
     assert reply["xy"]["traces"][name] == [[16.0, 17.0, 18.0, 19.0, 20.0], highest]
+
+
+def test_samples_of_all_paused_pages_are_kept() -> None:
+    views = [LiveView(View(5.0, 100, 1000.0)), LiveView(View(2.0, 100, 1001.0))]
+    for view in views:
+        view.select(["/a/data"])
+    for order in (views, views[::-1]):
+        assert pinned(order) == {"/a/data": (995.0, 1001.0 + LATE_S)}

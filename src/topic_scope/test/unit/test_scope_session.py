@@ -9,6 +9,7 @@ import pytest
 from topic_scope.messages.layout_cache import Layouts
 from topic_scope.protocol import options, requests
 from topic_scope.protocol.requests import Handler
+from topic_scope.sampling.recorder import Recorder
 from topic_scope.web.scope_session import ScopeSession
 from topic_scope.web.http_server import master_message
 
@@ -110,6 +111,17 @@ def test_images_are_requested_until_their_last_page_closes(
     assert source.source.want.call_args == mock.call(["/camera"], True)
     session.close(socket)  # type: ignore[arg-type]
     assert source.source.want.call_args == mock.call([], False)
+
+
+def test_samples_of_a_paused_page_are_kept_until_it_closes(session: ScopeSession) -> None:
+    session.on_topics({"/a": "std_msgs/Float64"})
+    socket = PageSocket(session)
+    session.handle(socket.page, '{"type": "select", "fields": ["/a/data"]}')
+    with mock.patch.object(Recorder, "pin") as pin:
+        session.handle(socket.page, '{"type": "view", "window": 5, "width": 100, "end": 1e9}')
+        assert list(pin.call_args[0][0]) == ["/a/data"]
+        session.close(socket)  # type: ignore[arg-type]
+        assert pin.call_args == mock.call({})
 
 
 def test_missing_field_of_command_line_is_logged(

@@ -103,6 +103,18 @@ def test_late_message_is_placed_at_its_stamp_and_moves_no_other(
 
 
 @both
+def test_largest_delay_and_lead_are_reported(is_exact: bool) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[[100, 200]] -= numpy.array([20 * NS, 600 * MS])
+    own[[300, 400]] += numpy.array([-7200 * NS, 600 * NS])
+    topic, _ = played(own, received, is_exact)
+    late, rejected = topic.time.outliers.text.split("; ")
+    assert late == "2 stamps up to 20.00 s late"
+    assert rejected == "2 stamps up to 7200 s behind: shown at reception"
+
+
+@both
 @pytest.mark.parametrize("batch", [1, 7, 500])
 @pytest.mark.parametrize("index", [0, 1, 230, 499])
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from typing import Dict, Optional
 import pytest
 
 from nodekit.message_definitions import parse
-from ros2_bridge.types.compatibility import difference
+from ros2_bridge.types.compatibility import difference, in_ros1_terms
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
@@ -63,3 +63,18 @@ def test_the_same(text: str, other: Dict[str, str]) -> None:
 )
 def test_the_first_difference_is_named(text: str, other: Dict[str, str], sentence: str) -> None:
     assert sentence in str(difference_of(text, other))
+
+
+def test_definition_of_ros2_is_the_same_in_terms_of_ros1() -> None:
+    kinds = {
+        **{"k": "double[9]", "flags": "sequence<boolean, 4>", "note": "string<20>"},
+        **{"at": "builtin_interfaces/Time", "header": "std_msgs/Header"},
+        **{"two": "pkg/Inner[2]", "all": "sequence<pkg/Inner>"},
+    }
+    found = in_ros1_terms("pkg/A", lambda name: {"pkg/A": kinds, **ROS2}[name])
+    text = (
+        "float64[9] k\nbool[] flags\nstring note\ntime at\nHeader header\nInner[2] two\nInner[] all"
+    )
+    assert found == parse("pkg/A", text + HEADER + SEPARATOR + "MSG: pkg/Inner\nfloat64 x\n")
+    with pytest.raises(ValueError, match="pkg/A: w: ROS 1 has no type wstring"):
+        in_ros1_terms("pkg/A", lambda _: {"w": "wstring"})

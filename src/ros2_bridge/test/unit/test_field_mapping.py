@@ -15,7 +15,7 @@ SEPARATOR = "\n" + "=" * 80 + "\n"
 #: A ROS 1 type, and a ROS 2 type with the same content in another order, with other names.
 FIRST = parse(
     "a/Drive",
-    "Header header\nfloat64 v\nstring name\nSide left\nSide[] all\nbool old\nint32[2] pair"
+    "Header header\nfloat64 v\nstring name\nSide left\nSide[] all\nbool[2] old\nint32[2] pair"
     + SEPARATOR
     + "MSG: a/Side\nfloat32 speed\nstring[] notes\ntime at"
     + SEPARATOR
@@ -86,16 +86,16 @@ def test_fields_are_joined_in_the_other_order_and_back(seq, name, speed, left, s
     count, pair = struct.pack("<I", len(sides)), struct.pack("<ii", -1, 2)
     start = header + struct.pack("<d", speed) + text(name) + side1(left)
     middle = count + b"".join(map(side1, sides))
-    first = start + middle + bytes([old]) + pair
+    first = start + middle + bytes([old, old]) + pair
     second = text(name) + header + side2(left) + struct.pack("<d", speed) + pair
     second += count + b"".join(map(side2, sides)) + b"\7"
     assert mapping().to_second(first) == second
-    assert mapping().to_first(second) == start + middle + b"\0" + pair
+    assert mapping().to_first(second) == start + middle + bytes(2) + pair
 
 
 @pytest.mark.parametrize("cut", [-1, -9, 3, 0])
 def test_message_of_another_length_is_rejected(cut):
-    first = bytes(12) + text("") + bytes(8) + text("") + bytes(16) + bytes(4) + bytes(9)
+    first = bytes(12) + text("") + bytes(8) + text("") + bytes(16) + bytes(4) + bytes(10)
     assert mapping().to_second(first)
     for data in (first[:cut], first + b"\0"):
         with pytest.raises(ConversionError, match=f"{len(data)} bytes are not a message"):

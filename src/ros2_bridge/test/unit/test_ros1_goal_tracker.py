@@ -165,7 +165,8 @@ def test_missing_result_is_empty(clients: Clients, patience: float, longest: flo
     clients.send(ONE)
     clients.list_goals(one=Ros1Status.SUCCEEDED, now=1.0)
     clients.ask(ONE)
-    clients.list_goals(now=1.5)
+    clients.list_goals(one=Ros1Status.SUCCEEDED, now=1.5)  # the wait began before
+    clients.list_goals(now=1.6)
     assert clients.goals.end_timeouts(1.0 + longest) == NOTHING
     assert clients.results == {ONE: []}
     assert clients.goals.end_timeouts(1.1 + longest) == TimedOutGoals([], [text_of(ONE)])

@@ -60,10 +60,12 @@ class Clients:
     def answer(self, text: str, is_accepted: bool = True) -> bool:
         return self.goals.on_goal_response(bytes_of(text), is_accepted, 0.0)
 
-    def list_goals(self, sender: bytes = SENDER, **status: Ros2Status) -> List[bytes]:
+    def list_goals(
+        self, sender: bytes = SENDER, now: float = 0.0, **status: Ros2Status
+    ) -> List[bytes]:
         uuids = {"one": bytes_of(ONE), "two": bytes_of(TWO), "theirs": b"t" * 16}
         listed = [(uuids[name], 1, one) for name, one in status.items()]
-        return self.goals.on_status(listed, sender, 0.0)
+        return self.goals.on_status(listed, sender, now)
 
     def end(self, text: str, status: Ros2Status, result: bytes = b"far") -> None:
         self.goals.on_result(bytes_of(text), status, result, 0.0)
@@ -133,6 +135,7 @@ def test_ended_goal_without_result_times_out(clients: Clients, is_answered: bool
     clients.list_goals(
         one=Ros2Status.SUCCEEDED, two=Ros2Status.SUCCEEDED, theirs=Ros2Status.EXECUTING
     )
+    clients.list_goals(one=Ros2Status.SUCCEEDED, now=0.5)  # the wait began before
     clients.list_goals()  # the server keeps it for less long than we wait
     assert clients.goals.end_timeouts(RESULT_S) == NOTHING and not clients.results
     clients.end(TWO, Ros2Status.SUCCEEDED)
@@ -201,6 +204,7 @@ def test_goals_until_a_time_are_cancelled_even_if_late(clients: Clients) -> None
         clients.answer(text)
     assert clients.goals.request_cancel("", 1, 0.0) == [bytes_of(ONE)]
     assert clients.goals.request_cancel("", 2, 0.0) == [bytes_of(ONE), bytes_of(TWO)]
+    assert clients.goals.request_cancel("", 1, 0.0) == [bytes_of(ONE)]  # the later time holds
     assert clients.send("late", 2) is None
     assert clients.results == [("late", Ros1Status.RECALLED, RECALLED, None)]
     assert clients.send("later", 3) is not None

@@ -176,3 +176,14 @@ def test_draft_for_packages_or_without_a_ros2_type_is_refused(
     monkeypatch.setattr(sys.modules["other_msgs.msg"].Limb, "_md5sum", "*", raising=False)
     with pytest.raises(Unbridgeable, match="other_msgs/msg/Limb is not installed in ROS 2"):
         registry().draft("acme_msgs/Arm", "other_msgs/msg/Limb")
+
+
+@pytest.mark.parametrize("left_out", ["acme_msgs/msg/imu_data.msg", "acme_msgs"])
+def test_missing_type_is_named_with_the_reason_of_make_environment(
+    registry: Callable[..., Any], tmp_path: pathlib.Path, left_out: str
+) -> None:
+    (tmp_path / "share" / "ros2_bridge" / "left_out.yaml").write_text(f"{left_out}: 'no: z'\n")
+    with pytest.raises(Unbridgeable) as caught:
+        registry().message("acme_msgs/imu_data")
+    missing = "acme_msgs/imu_data needs acme_msgs/msg/ImuData, which is not installed in ROS 2"
+    assert str(caught.value) == f"{missing} (no: z)"

@@ -7,6 +7,7 @@ import signal
 import socket
 import struct
 import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -15,6 +16,7 @@ from typing import Any, List, Set
 
 import both
 import pytest
+import rospkg
 import rospy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -27,6 +29,7 @@ from test_topics import publisher1
 
 from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.environment.middleware import middleware
 from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.node_registrar import NodeRegistrar
 from ros2_bridge.ros1.single_instance import domain
@@ -145,6 +148,33 @@ def test_only_the_loopback_interface_is_listened_to(ros: both.Both) -> None:
         recorder.wait()
         assert udp_addresses(bridge.popen.pid) == {"127.0.0.1"}
         recorder.end()
+
+
+#: Prints the sizes of the buffers of a participant's sockets that receive [bytes].
+BUFFERS = """
+import os, rclpy, socket
+rclpy.init()
+node = rclpy.create_node("buffers")
+for name in os.listdir("/proc/self/fd"):
+    try:
+        one = socket.socket(fileno=os.dup(int(name)))
+    except OSError:
+        continue
+    if one.family == socket.AF_INET and one.getsockname()[1] in range(7400, 65000):
+        print(one.getsockname()[1], one.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF))
+"""
+
+
+@pytest.mark.parametrize("reach", ("LOCALHOST", "SUBNET"))
+def test_sockets_hold_several_large_messages_if_linux_allows_it(reach: str) -> None:
+    loopback = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"), "config", "loopback.xml")
+    reached = {**os.environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": reach}
+    variables = {**os.environ, **middleware(reached, loopback)}
+    output = subprocess.check_output([sys.executable, "-c", BUFFERS], env=variables, text=True)
+    sizes = dict(map(int, line.split()) for line in output.splitlines())
+    most = int(pathlib.Path("/proc/sys/net/core/rmem_max").read_text())
+    # Linux doubles the size. Other sockets, with ports of its own choice, only send.
+    assert list(sizes.values()).count(2 * min(most, 2**24)) >= 2, sizes
 
 
 def test_doctor_calls_a_bridge_with_nodes_on_both_sides_healthy(

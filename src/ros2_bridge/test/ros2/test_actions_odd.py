@@ -1,6 +1,9 @@
 """Servers with undefined statuses, and malformed messages."""
 
+import itertools
 import struct
+import threading
+from types import SimpleNamespace
 from typing import Any, Iterator, List
 
 import both
@@ -21,6 +24,7 @@ from unique_identifier_msgs.msg import UUID
 from bot_controller_demo_msgs.action import GoTo
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import actionlib_messages
+from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT
 from ros2_bridge.actions.states import Ros1Status
@@ -279,3 +283,16 @@ def test_ended_goal_without_result(ros: both.Both, bridge: both.Bridge) -> None:
         bridge.wait_for_log("/odd/foot: no result of")
     ros.executor.remove_node(node)
     node.destroy_node()
+
+
+def test_goal_without_id_and_time_gets_both(ros: both.Both) -> None:
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    server._node, server._name = SimpleNamespace(name="/bridge"), "/hand"
+    server._numbers, server._lock = itertools.count(1), threading.Lock()
+    given: List[Any] = []
+    server._goals = SimpleNamespace(request_goal=lambda *values: given.append(values))
+    for text, stamp in (("", 0), ("mine", 7)):
+        server._on_goal(actionlib_messages.write_goal(SimpleNamespace, text, stamp, b""))
+    (first, began, _), (second, stamp, _) = given
+    assert began > 0 and first == f"/bridge-1-{began}"
+    assert (second, stamp) == ("mine", 7)

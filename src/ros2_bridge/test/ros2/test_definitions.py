@@ -4,7 +4,7 @@ import os
 import pathlib
 import subprocess
 import sys
-from typing import Callable, Iterator
+from typing import Any, Callable, Iterator, List
 
 import both
 import pytest
@@ -14,6 +14,9 @@ from test_topics import publisher1
 
 from nodekit.testing.waiting import TIMEOUT_S
 from ros2_bridge.environment import twin_builder
+from ros2_bridge.ros2 import peer_definitions
+from ros2_bridge.ros2.peer_definitions import PeerDefinitions
+from ros2_bridge.rules.skip_log import Unbridgeable
 
 PREFIX = pathlib.Path(sys.prefix)
 #: Sends and receives a message; its fields are distinguished by their values.
@@ -125,3 +128,33 @@ def test_other_definitions_of_ros1_are_named_with_both_checksums(
     ros.node.destroy_publisher(sent)
     received.end()
     out.unregister()
+
+
+class SilentClient:
+    """Client of a service that is not offered."""
+
+    made: "List[SilentClient]" = []
+
+    def __init__(self, *_: Any) -> None:
+        self.made.append(self)
+        self.is_closed = False
+
+    def is_ready(self) -> bool:
+        return False
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def test_node_that_did_not_describe_its_type_is_asked_again(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(peer_definitions, "Ros2Client", SilentClient)
+    definitions: Any = PeerDefinitions(None)  # type: ignore[arg-type]
+    asked = ("/speed", "std_msgs/msg/Int32", "RIHS01_other", "/wheel")
+    monkeypatch.setattr(peer_definitions, "_TIMEOUT_S", 0.0)
+    with pytest.raises(Unbridgeable, match="/speed: /wheel has .* does not describe it"):
+        definitions.are_known_to_fit(*asked)
+    monkeypatch.setattr(peer_definitions, "_TIMEOUT_S", TIMEOUT_S)
+    assert definitions.are_known_to_fit(*asked) is False
+    assert [client.is_closed for client in SilentClient.made] == [True, False]

@@ -4,13 +4,14 @@ import struct
 import subprocess
 import sys
 from types import SimpleNamespace
-from typing import Any, Dict
+from typing import Any, Dict, List, cast
 
 import both
 import pytest
 import rospy
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from test_topics import publisher1
@@ -18,12 +19,15 @@ from tf2_msgs.msg import TFMessage
 
 from nodekit.testing.waiting import wait_until
 from ros2_bridge import node_bridge
+from ros2_bridge.environment.ros1_messages import Header
+from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Ros2Graph
 from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
+from ros2_bridge.topics.rosout import Rosout
 
 
 def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) -> None:
@@ -274,3 +278,48 @@ def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
     first = seen.index(True)
     assert first < 4 and all(seen[first:])  # a program without a node is found, and stays
     assert participant.asked <= 8 * 53
+
+
+class TwoPublishers(ManyTopics):
+    """Fake graph with a topic of two publishers of others.
+
+    :param policies: their reliability
+    """
+
+    def __init__(self, *policies: ReliabilityPolicy) -> None:
+        super().__init__()
+        self.policies = policies
+
+    def get_publishers_info_by_topic(self, topic: str) -> Any:
+        found = self.get_subscriptions_info_by_topic(topic) * len(self.policies)
+        return [
+            SimpleNamespace(
+                **vars(one),
+                qos_profile=SimpleNamespace(
+                    reliability=policy, durability=DurabilityPolicy.VOLATILE
+                ),
+            )
+            for one, policy in zip(found, self.policies)
+        ]
+
+
+@pytest.mark.parametrize("order", (1, -1))
+def test_topic_is_best_effort_if_a_publisher_is(order: int) -> None:
+    policies = (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)[::order]
+    participant: Any = TwoPublishers(*policies)
+    participant.names = ["/t150"]
+    assert Ros2Graph(participant, Renaming()).topics()["/t150"].offers == {False: True}
+
+
+def test_log_line_of_ros1_is_the_same_in_ros2() -> None:
+    sent: List[Any] = []
+    participant: Any = SimpleNamespace(
+        node="bridge", create_publisher=lambda *_: SimpleNamespace(publish=sent.append)
+    )
+    header = Header(stamp=rospy.Time(5, 7))
+    line = Ros1Log(header, Ros1Log.ERROR, "/lab/arm", "it sticks", "arm.cpp", "move", 3, [])
+    Rosout(cast(Any, None), participant, Renaming(["/lab=/"]))._forward(line)
+    (log,) = sent
+    assert (log.stamp.sec, log.stamp.nanosec, log.level) == (5, 7, Log.ERROR)
+    assert (log.name, log.msg, log.file) == ("arm", "it sticks", "arm.cpp")
+    assert (log.function, log.line) == ("move", 3)

@@ -4,6 +4,7 @@ import struct
 
 import both
 import rospy
+from rcl_interfaces.msg import ParameterEvent
 from rcl_interfaces.srv import SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -22,10 +23,23 @@ def test_namespace_of_ros1_is_the_root_of_ros2(ros: both.Both) -> None:
             recorder = ros.hear2("/chatter", String)
             recorder.wait(2)
             recorder.end()
+            events = ros.hear2("/parameter_events", ParameterEvent)
             request = [Parameter("rate", value=2.5).to_parameter_msg()]
             answer = ros.call2(SetParameters, "/talker/set_parameters", parameters=request)
             assert answer.results[0].successful, answer
             assert rospy.get_param("/robot1/talker/rate") == 2.5
+            wait_until(
+                lambda: (
+                    ("/talker", "rate")
+                    in [
+                        (event.node, one.name)
+                        for event in events.heard
+                        for one in event.changed_parameters
+                    ]
+                ),
+                lambda: str(events.heard),
+            )
+            events.end()
         with both.Running("motor_control", "dc_motor.py", "__ns:=/robot1"):
             assert ros.call2(SetProcessBool, "/EnableProcess", enable=True).success
         out = publisher1(ros, "/chatter", "std_msgs/Float32")  # of no robot, and of another type

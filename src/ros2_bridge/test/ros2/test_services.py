@@ -20,9 +20,13 @@ from test_topics import RCLError
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.action_bridge.all_actions import ActionBridge
+from ros2_bridge.actions.discovery import Server
 from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.selection import Route
 from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
 
@@ -260,6 +264,34 @@ def test_own_services_of_each_ros_are_not_bridged() -> None:
     topics._ros1 = SimpleNamespace(types={route.name: "dynamic_reconfigure/Config"})
     topics._ros2 = {}
     assert topics._kind(route) is None
+
+
+@pytest.mark.parametrize(
+    ("bridge_class", "ros1"),
+    (
+        (ServiceBridge, SimpleNamespace(services={"/arm/move": "/arm"})),
+        (ActionBridge, {"/arm/move": Server("arm_msgs/Move", "/arm")}),
+    ),
+)
+def test_server_moves_to_its_node_once_that_is_in_ros2(
+    bridge_class: Any, ros1: Any, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    closed: List[str] = []
+
+    def begin(self: Any, route: Route) -> Any:
+        owner = self._owner(route)
+        return SimpleNamespace(owner=owner, close=lambda: closed.append(owner))
+
+    monkeypatch.setattr(bridge_class, "_begin", begin)
+    monkeypatch.setattr(bridge_class, "_has_same_type", lambda *_: True)
+    bridge: Any = bridge_class.__new__(bridge_class)
+    bridge._participant, bridge._ros1 = SimpleNamespace(node="/ros2_bridge"), ros1
+    PairBridge.__init__(bridge, SkipLog())
+    route = Route("/arm/move", True)
+    for owners in ({}, {"/arm": "/arm"}, {"/arm": "/arm"}):
+        bridge._owners = owners
+        bridge.update_pairs([route])
+    assert bridge.pairs[route].owner == "/arm" and closed == ["/ros2_bridge"]
 
 
 def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:

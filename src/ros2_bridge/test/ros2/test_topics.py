@@ -441,6 +441,14 @@ def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None
     assert latched == [["one", "two"], ["two"]]
 
 
+@pytest.mark.parametrize("latched", (True, False))
+def test_common_subscription_is_best_effort_if_a_publisher_is(latched: bool) -> None:
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    pair.topic, pair._found = "/map", SimpleNamespace(offers={latched: True, not latched: False})
+    pair._qualities = QosProfiles(9, [{"topic": "/map", "durability": "volatile"}])
+    assert pair._wanted_qualities() == {False: QosProfile(9, best_effort=True)}
+
+
 def test_failing_topic_does_not_affect_others() -> None:
     followed: List[str] = []
 

@@ -185,6 +185,26 @@ def test_full_receivers_together_are_waited_for_once(pairs, clock):
     assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
 
 
+def test_receiver_that_catches_up_does_not_end_the_wait_for_another(pairs):
+    (ours, theirs), (others, _) = pairs(), pairs()
+    quick, full = (SubscriberConnection("r", one, threading.RLock()) for one in (ours, others))
+    delivered = threading.Event()
+
+    def read():
+        while not delivered.is_set():
+            read_all(theirs)
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    start = time.monotonic()
+    delivery.deliver(BIG, [quick, full])
+    took = time.monotonic() - start
+    delivered.set()
+    reader.join()
+    assert (quick.sent, quick.stalled, full.sent, full.stalled) == (1, False, 0, True)
+    assert took >= delivery.PATIENCE_S
+
+
 def test_lost_batch_counts_all_its_messages(pairs, clock):
     link = SubscriberConnection("full", pairs()[0], threading.RLock())
     for _ in range(20):

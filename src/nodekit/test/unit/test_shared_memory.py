@@ -344,6 +344,17 @@ def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     assert descriptors() <= before + 2  # the two ends of the connection
 
 
+def test_closed_topic_leaves_no_thread(subscribe, monkeypatch):
+    monkeypatch.setattr(shared_connection, "IDLE_S", 600.0)
+    one = subscribe()
+    one.send(b"a message")
+    trimmer = one.topic._trimmer
+    assert trimmer.is_alive()
+    one.close()
+    trimmer.join(20.0)
+    assert not trimmer.is_alive()
+
+
 def test_message_to_a_subscriber_that_has_gone_is_not_lent(subscribe):
     one = subscribe()
     one.send(b"a" * 300_000)

@@ -113,6 +113,8 @@ def test_goal_that_the_server_does_not_answer_is_rejected(clients: Clients) -> N
     assert clients.results == [(ONE, Ros1Status.REJECTED, NO_ANSWER, None)]
     assert clients.status == {ONE: Ros1Status.REJECTED, TWO: Ros1Status.PENDING}
     assert clients.answer(ONE) is True  # accepted after all: it is to be cancelled
+    assert clients.goals.end_timeouts(PATIENCE_S + 1.1) == NOTHING
+    assert clients.results[1:] == [(TWO, Ros1Status.REJECTED, NO_ANSWER, None)]
 
 
 def test_goal_that_is_listed_without_an_answer_is_accepted(clients: Clients) -> None:

@@ -76,6 +76,13 @@ def test_array_keeps_its_largest_length() -> None:
     assert arrays(("nothing",)) == 1
 
 
+def test_length_is_the_largest_of_all_publishers() -> None:
+    arrays = heard("arm")
+    arrays.add_message(LAYOUT, with_joints("left", "right"))
+    arrays.add_message(LAYOUT, with_joints("head"))
+    assert arrays(("position",)) == 2
+
+
 def test_missing_element_is_reported() -> None:
     arrays = heard("arm", "leg")
     arrays.check(LAYOUT, to_path("position[leg]"))

@@ -200,6 +200,7 @@ def test_valid_request_is_accepted(request_: Any, expected: Any) -> None:
         {"type": "overlay", "offset": 1.0},
         {"type": "graph", "on": 1},
         {"type": ["select"]},
+        {"type": "formula", "text": "/a/x", "traces": []},
         {"type": "shutdown"},
         {},
         [],

@@ -102,6 +102,11 @@ def test_decoder_reads_texts_and_names_but_no_cut_off_text() -> None:
     assert read(message, "status[name=d]/message") == [None]
 
 
+def test_number_of_a_state_is_not_rounded() -> None:
+    decoder = StateDecoder(layout_of(String), ("data",), StateTable())
+    assert decoder.rounding(decoder.decode([serialized(String("on"))])) == 1
+
+
 def test_decoder_rejects_a_number_without_names() -> None:
     with pytest.raises(FieldError, match="neither a text nor a number with named values"):
         StateDecoder(layout_of(Float64), ("data",), StateTable())

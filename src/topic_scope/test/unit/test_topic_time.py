@@ -1,19 +1,35 @@
 """Placement of samples at their stamps, for all cases of stamps around them."""
 
-from typing import Callable, List, NamedTuple, Tuple
+from typing import Any, Callable, List, NamedTuple, Tuple, cast
 
 import numpy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.timing.clocks import Clocks
+from topic_scope.timing.clocks import Clock, Clocks
 from topic_scope.timing.lag import SETTLED_NS, TOLERANCE_NS
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns, to_ns
 from topic_scope.timing.topic_time import PlacedMessages, TopicTime
 
 EPOCH = 1_700_000_000 * NS
 MS = NS // 1000
+
+
+class Delay:
+    """Lag that does not change."""
+
+    received = 0
+
+    def expected(self, _now: int) -> int:
+        return 5 * NS
+
+
+def test_clock_that_has_its_offset_does_not_change_again() -> None:
+    clock, lag = Clock(), Delay()
+    clock.members.add(cast(Any, lag))
+    assert clock.follow(0) and clock.offset == 5 * NS
+    assert not clock.follow(0)
 
 
 class Shown(NamedTuple):

@@ -149,13 +149,14 @@ class WaitLoop:
             for waitable in mine.values():
                 add(waitable.entity.handle)
         wait_set.wait(0 if self._unfinished else -1)
-        turns, self._unfinished = self._unfinished, []
+        unfinished, self._unfinished = self._unfinished, []
+        for waitable in unfinished:
+            self._guarded(waitable.receive, _MOST)
         for kind, _, mine in by_kind:
             if mine:
-                ready = [mine[pointer] for pointer in wait_set.get_ready_entities(kind)]
-                turns += [one for one in ready if one not in turns]
-        for waitable in turns:
-            self._guarded(waitable.receive, _MOST)
+                for pointer in wait_set.get_ready_entities(kind):
+                    if mine[pointer] not in unfinished:
+                        self._guarded(mine[pointer].receive, _MOST)
 
     def _guarded(self, function: Callable[..., None], *arguments: Any) -> bool:
         """Call a function; log its exceptions.

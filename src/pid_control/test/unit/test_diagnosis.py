@@ -9,13 +9,14 @@ from hypothesis import given, settings
 from pid_control.controller.pid import PidSettings
 from pid_control.identification.response import Model
 from pid_control.judging.controller_judgement import judge
+from pid_control.judging.evidence import evidence_of
 from pid_control.judging.experiment import MotorOutput
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.reports import as_sentences
 from pid_control.judging.simulation import Law, pid_law
 from pid_control.tuning.rules import METHODS, gains_of
 from laws import CORRECT, clipped, correct, law_of
-from played import default_limits, pi, play_all
+from played import default_limits, pi, play_all, play_one
 
 LIMITS = default_limits()
 #: Period of a student's loop [s].
@@ -198,3 +199,11 @@ def test_judge_passes_the_gains_of_tune(method: str) -> None:
 def test_judge_correct_controllers_get_no_false_cause(period: float, **law: Any) -> None:
     judgement = judged(correct(**law), period)
     assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
+
+
+@pytest.mark.parametrize("least, largest", [(-0.5, 1.0), (-1.0, 0.75)])
+def test_evidence_has_the_limit_of_each_side(least: float, largest: float) -> None:
+    make = pi(output_min=least, output_max=largest)
+    law = evidence_of([play_one("held", make), play_one("windup", make)]).law
+    assert law is not None
+    assert (law.least, law.largest) == pytest.approx((least, largest))

@@ -170,7 +170,7 @@ STEPS = BY_NAME["steps"]
         (Record(STEPS, RESTLESS), "restless", "computes without a pause"),
         (Record(STEPS, RESTLESS, answers=[(0.0, 0.0)] * 900), "flood", "sends without a pause"),
         (Record(STEPS, SILENT), "silent", "sends nothing on motor_input"),
-        (Record(STEPS, SILENT, answers=[(1.5, 0.0)]), "crash", "nothing after 1.50 s"),
+        (Record(STEPS, SILENT, answers=[(0.1, 0.0), (1.5, 0.0)]), "crash", "nothing after 1.50 s"),
         (
             Record(STEPS, NOT_CONNECTED, missing=["motor_input"], hint="it publishes /u"),
             "silent",

@@ -246,3 +246,10 @@ def test_recovery_is_counted_from_the_event() -> None:
     assert 0.05 < figure(record, "recovery_time") < 0.5
     lost = play_one("load", pi(ki=0.0))
     assert figure(lost, "recovery_time") == math.inf
+
+
+def test_recovery_is_that_of_the_slowest_of_several_events() -> None:
+    record = play_one("nan", pi())
+    rows = [row._replace(speed=0.0) if row.time > 1.5 else row for row in record.rows]
+    assert figure(record, "recovery_time") == 0.0
+    assert figure(record._replace(rows=rows), "recovery_time") == math.inf

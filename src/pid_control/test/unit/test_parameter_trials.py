@@ -135,6 +135,15 @@ def test_phase_in_degrees_that_is_far_is_seen(tmp_path: pathlib.Path) -> None:
     assert found.value_of(PROCESS, "phase_shift") == ("/process_angle", 60.0)
 
 
+def test_parameter_that_a_node_rejects_if_it_is_far_is_read() -> None:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
+        omega = parameters["/signal_omega"]
+        return wave_loops({**parameters, "/signal_omega": omega**2 if omega < 4.0 else 9.0})
+
+    found, _, _ = tried(COURSEWORKS / "wave_loops", law)
+    assert found.unread() == []
+
+
 def test_file_that_no_launch_file_loads_is_unused(tmp_path: pathlib.Path) -> None:
     package = copy("wave_loops", tmp_path, "launch/cw1.launch", "config/params.yaml", "x.yaml")
     (package / "x.yaml").write_text("{}")

@@ -197,6 +197,15 @@ def test_resume_continues_from_output_also_at_a_limit() -> None:
     assert law.update(5.0, 6.0, DT).output < 1.0
 
 
+@pytest.mark.parametrize("mode", [P, PI])
+def test_mode_without_derivative_has_none_left(mode: str) -> None:
+    law = Pid(FREE)
+    for speed in (1.0, 1.5):
+        assert law.update(5.0, speed, DT).derivative <= 0.0
+    law.change(FREE._replace(mode=mode))
+    assert law.update(5.0, 2.0, DT).derivative == 0.0
+
+
 def test_reset_restores_initial_state() -> None:
     law = Pid(FREE)
     first = law.update(5.0, 1.0, 0.0)

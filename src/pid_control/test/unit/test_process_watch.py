@@ -101,3 +101,13 @@ def test_is_idle_computing_companion_is_detected(computing: Watched) -> None:
     finally:
         watched.watch.kill(10.0)
         watched.popen.communicate()
+
+
+def test_kill_leaves_no_file_open() -> None:
+    before = len(os.listdir("/proc/self/fd"))
+    watched = Watched(["sleep", "60"])
+    watched.watch.is_idle()
+    assert len(os.listdir("/proc/self/fd")) > before + 2  # more than the pipes
+    watched.watch.kill(10.0)
+    watched.popen.communicate()
+    assert len(os.listdir("/proc/self/fd")) == before

@@ -6,7 +6,9 @@ from unittest import mock
 
 import pytest
 
+from pid_control.judging.plant_log import PlantLog
 from pid_control.judging.scenarios import BY_NAME
+from pid_control.msg import motor_input, motor_output
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import bench_runner, clock
 from pid_control.runner.bench_runner import BenchRunner
@@ -26,6 +28,7 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     simulated.start()
     pause = simulated.pause(0.0, mock.Mock(side_effect=[9, 4]))
     assert pause.answers == 4
+    assert simulated.pause(0.0, mock.Mock(return_value=0)).length >= 0.04  # twice as long
 
 
 def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
@@ -55,6 +58,17 @@ def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
     for _ in range(2):
         runner.run(BY_NAME["ramp"]._replace(duration=0.01))
     assert runner.latest == 0.5 and next(late, None) is None
+
+
+def test_log_of_a_real_plant_has_each_output_with_the_latest_input() -> None:
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant._lock, plant._log, plant._input = threading.Lock(), PlantLog([], []), 0.0
+    plant._on_input(motor_input(0.25, 0.0))
+    plant._on_output(motor_output(2.0, 0.0, ""))
+    log = plant.pop_log()
+    assert [output[1:] for output in log.outputs] == [(2.0, 0.25)]
+    assert [value for _, value in log.inputs] == [0.25]
+    assert plant.pop_log() == ([], [])
 
 
 def test_shutdown_beside_a_real_plant_ends_the_controller_before_the_last_input() -> None:

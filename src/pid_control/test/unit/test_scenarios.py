@@ -84,10 +84,14 @@ def test_set_points_arrive_at_100_hz_and_outputs_with_each_step() -> None:
 
 
 def test_restarted_motor_is_silent_and_starts_at_zero() -> None:
-    before, silent, after, later = sent_at(BY_NAME["restart"], 0.99, 1.05, 1.1, 1.2)
-    assert before.output.time == pytest.approx(1.99)
+    experiment = Experiment(BY_NAME["restart"], -1.0)
+    experiment.begin_at(0.0)
+    experiment.answer(0.0, 0.5)
+    before, silent = experiment.send(0.99), experiment.send(1.098)
+    assert before.output.time == pytest.approx(1.99) and before.output.speed > 6.5
     assert silent.output is None and silent.set_point is not None
-    assert (after.output.time, after.output.speed) == (0.0, 0.0)
+    after, later = experiment.send(1.1), experiment.send(1.2)
+    assert after.output.time == 0.0 and after.output.speed < 0.5
     assert later.output.time == pytest.approx(0.1)
 
 

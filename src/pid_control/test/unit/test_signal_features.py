@@ -149,11 +149,12 @@ def test_signal_of_is_the_oscillating_value() -> None:
     assert signal_of(channels[:2]) is None
 
 
-def test_signal_of_several_uses_names_or_lists_them() -> None:
+@pytest.mark.parametrize("names", [("a", "b"), ("signal_a", "signal_b")])
+def test_signal_of_several_uses_names_or_lists_them(names: Tuple[str, str]) -> None:
     channels = fields(("a", math.sin), ("y", math.cos))
     assert signal_of(channels) == channels[1]
-    channels = fields(("a", math.sin), ("b", math.cos))
-    with pytest.raises(AmbiguousChannelsError, match="/x/a, /x/b"):
+    channels = fields((names[0], math.sin), (names[1], math.cos))
+    with pytest.raises(AmbiguousChannelsError, match=f"/x/{names[0]}, /x/{names[1]}"):
         signal_of(channels)
 
 

@@ -59,3 +59,16 @@ def test_tune_method_without_gains_is_refused(
     with pytest.raises(SystemExit) as end:
         tune.main()
     assert end.value.code == 2 and "--method: only valid with --gains" in capsys.readouterr().err
+
+
+def test_tune_uses_the_period_and_the_wanted_time_constant(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    model, gains = tmp_path / "model.yaml", tmp_path / "gains.yaml"
+    model.write_text("{system_param_K: 10.0, system_param_T: 0.2}")
+    words = [str(model), "--gains", str(gains), "--period", "0.1", "--wanted", "0.35"]
+    monkeypatch.setattr(sys, "argv", ["tune", *words])
+    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
+    tune.main()
+    # The mean delay of the period is 0.05 s.
+    assert yaml.safe_load(gains.read_text())["kp"] == pytest.approx(0.2 / (10.0 * (0.35 + 0.05)))

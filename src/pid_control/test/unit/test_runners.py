@@ -10,12 +10,14 @@ from pid_control.judging.plant_log import PlantLog
 from pid_control.judging.scenarios import BY_NAME
 from pid_control.msg import motor_input, motor_output
 from pid_control.programs.program_command import ProgramCommand
-from pid_control.runner import bench_runner, clock
+from pid_control.runner import bench_runner, clock, gains_judgement, test_bench
 from pid_control.runner.bench_runner import BenchRunner
+from pid_control.runner.gains_judgement import judge_gains
 from pid_control.runner.real_plant import RealPlant
 from pid_control.signal_judging.evidence import FailedTrial
 from pid_control.signal_runner.signal_bench import SignalBench
 from pid_control.signal_runner.signal_session import SignalSession
+from pid_control.tuning.rules import Gains
 
 
 def test_answers_in_the_first_half_of_a_pause_count_as_late(
@@ -98,3 +100,21 @@ def test_repeated_record_forgets_failures_of_the_first(
     monkeypatch.setattr(session, "_record_baseline", mock.Mock())
     session._repeat_baseline(mock.Mock())
     assert session.evidence.broken == {}
+
+
+def test_judged_controller_has_all_gains_and_the_limits_of_its_output(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    find = mock.Mock()
+    for module, name in ((bench_runner, "BenchRunner"), (test_bench, "TestBench")):
+        monkeypatch.setattr(module, name, mock.Mock())
+    monkeypatch.setattr(gains_judgement, "PrivateMaster", mock.Mock())
+    monkeypatch.setattr(gains_judgement, "find_controller", find)
+    gains = Gains("x", "a test", "PID", 0.5, 0.25, 0.125, 0.01)
+    list(judge_gains([gains], [], least=-0.5, largest=0.75))
+    [words] = find.call_args[0]
+    assert words[:2] == ["pid_control", "controller.py"]
+    assert dict(word[1:].split(":=") for word in words[2:]) == {
+        **{"mode": "PID", "kp": "0.5", "ki": "0.25", "kd": "0.125", "filter_time": "0.01"},
+        **{"output_min": "-0.5", "output_max": "0.75"},
+    }

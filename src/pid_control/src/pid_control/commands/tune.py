@@ -42,7 +42,7 @@ def main() -> None:
         if arguments.picture is not None:
             write_file(arguments.picture, as_picture(responses))
         if arguments.judge:
-            _judge(responses)
+            _judge(responses, arguments.least, arguments.largest)
     except (ModelError, UnicodeDecodeError) as error:
         _fail(f"{arguments.model}: {error}")
     except OSError as error:
@@ -56,11 +56,12 @@ def _fail(why: str) -> NoReturn:
     sys.exit(_WRONG)
 
 
-def _judge(responses: List[Response]) -> None:
+def _judge(responses: List[Response], least: float, largest: float) -> None:
     # Imported late: only this needs a master and processes.
     from pid_control.runner.gains_judgement import judge_gains
 
-    for gains, said in judge_gains([response.gains for response in responses]):
+    several = [response.gains for response in responses]
+    for gains, said in judge_gains(several, least=least, largest=largest):
         print(f"\n{gains.method}:\n{said}", flush=True)
 
 

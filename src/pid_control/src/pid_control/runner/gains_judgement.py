@@ -16,18 +16,24 @@ from pid_control.tuning.rules import Gains
 
 #: Default time limit per set of gains [s].
 TIME_LIMIT_S = 120.0
+#: Parameters of the controller that are set.
+_PARAMETERS = ("mode", "kp", "ki", "kd", "filter_time", "output_min", "output_max")
 
 
 def judge_gains(
     several: Sequence[Gains],
     scenarios: Sequence[Scenario] = SCENARIOS,
     time_limit: float = TIME_LIMIT_S,
+    least: float = -1.0,
+    largest: float = 1.0,
 ) -> Iterator[Tuple[Gains, str]]:
     """Judge the reference controller with each set of gains, with the course's motor.
 
     :param several: the sets of gains
     :param scenarios: scenarios to run
     :param time_limit: time limit per set of gains [s]
+    :param least: lower limit of the controller's output
+    :param largest: upper limit of the controller's output
     :returns: each set of gains and the text of its judgement
     """
     limits = default_limits()
@@ -39,9 +45,8 @@ def judge_gains(
 
         bench = TestBench()
         for gains in several:
-            values = gains._asdict()
-            words = [f"_{name}:={values[name]}" for name in ("mode", "kp", "ki", "kd")]
-            words.append(f"_filter_time:={gains.filter_time}")
+            values = {**gains._asdict(), "output_min": least, "output_max": largest}
+            words = [f"_{name}:={values[name]}" for name in _PARAMETERS]
             command = find_controller(["pid_control", "controller.py", *words])
             deadline = time.monotonic() + time_limit
             runner = BenchRunner(bench, command, master.environment, False, deadline, master.pid)

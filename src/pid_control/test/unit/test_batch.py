@@ -266,3 +266,20 @@ def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
     assert "<h1>Anna g1</h1>" in page and "judged: &lt;it&gt;" in page
     assert "nothing handed in" in (output / "g3.html").read_text()
     assert "<th>student</th>" in (output / "class.html").read_text()
+
+
+def test_batch_escapes_names_that_a_spreadsheet_would_calculate(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    output, judge = tmp_path / "out", tmp_path / "judge"
+    (tmp_path / "class" / "=1+1").mkdir(parents=True)
+    (tmp_path / "class" / "=1+1" / "package.xml").write_text("")
+    (tmp_path / "class" / "=1+1" / "controller.py").write_text("")
+    judge.write_text("print('judged')")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    roster = {"=1+1": "@Anna"}
+    batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0, roster).run()
+    lines = (output / "class.csv").read_text().splitlines()
+    assert lines[1].split(",")[:2] == ["'@Anna", "'=1+1"]
+    page = (output / "class.html").read_text()
+    assert "<td>@Anna</td><td>=1+1</td>" in page and 'href="_1_1.html"' in page

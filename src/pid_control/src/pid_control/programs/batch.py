@@ -19,7 +19,7 @@ from pid_control.programs.program_finder import NothingToJudge, SubjectFinder
 from pid_control.programs.submissions import Submission, missing_in, needed_siblings, submissions_in
 from pid_control.verdicts.batch_page import as_html, as_page_of_student
 from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
-from pid_control.verdicts.reports import as_csv
+from pid_control.verdicts.reports import as_csv, text_cell
 
 #: Time limit of a build, and extra time for a judge beyond its own limit [s].
 _BUILD_S, _BEYOND_S = 180.0, 60.0
@@ -164,7 +164,11 @@ class Batch:
         text = io.StringIO()
         writer = csv.DictWriter(text, list(self._rows[0]), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(self._rows)
+        for row in self._rows:
+            names = {
+                key: text_cell(row[key]) for key in ("student", self._finder.subject) if key in row
+            }
+            writer.writerow({**row, **names})
         self._put("class.csv", text.getvalue())
         self._put("class.html", as_html(self._rows, self._finder.subject, self._files))
 

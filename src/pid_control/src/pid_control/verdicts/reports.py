@@ -131,7 +131,7 @@ def as_csv(
         cells = [_cell(values.get(key)) for key in measured]
         why = "; ".join(cause.sentence for cause in causes(judgement)) or judgement.reason
         head = [name, judgement.verdict, ", ".join(judgement.flaws()), why]
-        writer.writerow([*map(_text_cell, head), *cells])
+        writer.writerow([*map(text_cell, head), *cells])
     return text.getvalue()
 
 
@@ -139,6 +139,6 @@ def _cell(value: Optional[float]) -> str:
     return "" if value is None else f"{value:.6g}"
 
 
-def _text_cell(text: str) -> str:
-    # A spreadsheet would parse such a cell as a formula.
+def text_cell(text: str) -> str:
+    """Return a text for a cell of a CSV file, which no spreadsheet parses as a formula."""
     return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text

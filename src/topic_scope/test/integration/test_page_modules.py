@@ -178,6 +178,33 @@ class Modules(BrowserTest):
         )
         self.assertEqual(said, "The left axis cannot go from 5 to 1: its range is automatic.")
 
+    def test_references_stay_when_their_timestamp_source_changes(self) -> None:
+        now = self.browser.call(
+            "choose/timestamp_source.js",
+            """await (async () => {
+              const { State } = await import("/static/js/state/store.js");
+              const { TraceBuffer } = await import("/static/js/state/buffer.js");
+              const references = await import("/static/js/state/references.js");
+              const buffer = new TraceBuffer();
+              buffer.apply({ now: 102, bin: 1, reset: true, first: 100,
+                traces: { "/f/x": [1, 1, 2, 2], "/g/x": [7, 7, 8, 8] },
+                lasts: { "/f/x": [1, 2] } }, 2);
+              const state = new State();
+              state.set({ fields: ["/f/x", "/g/x"] });
+              references.startReferences(state);
+              const shown = { buffer, reference: 102, from: 100, to: 102 };
+              for (const field of ["/f/x", "/g/x"]) {
+                references.keepReference(state, shown, field, new Map());
+              }
+              module.setSource(state, "/f/x", "received");
+              references.moveReference(state, "R1", { later: 0, offset: 10 });
+              return state.values.references.map((one) => [one.name, one.field,
+                references.valueOf(one, -1.5).low, Math.max(...one.lines.get(one.field).points),
+                one.lines.get(one.field).steps]);
+            })()""",
+        )
+        self.assertEqual(now, [["R1", "/f/x@received", 11, 12, True], ["R2", "/g/x", 7, 8, False]])
+
     def test_trace_settings_are_read_back(self) -> None:
         chosen = {
             "/a": {"plot": 2},

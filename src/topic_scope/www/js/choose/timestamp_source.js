@@ -2,6 +2,7 @@
 
 import { make, options, setText } from "../base/dom.js";
 import { bare, inTopic } from "../base/names.js";
+import { withField } from "../state/references.js";
 import { isComputed } from "../state/traces.js";
 
 const LIKE_A_TIME = /(time|stamp)[^/]*$/;
@@ -38,7 +39,7 @@ export function sourcesOf(available, topic) {
  */
 export function setSource(state, name, source) {
   const next = splitSource(name)[0] + (source && `@${source}`);
-  const { fields, hidden, right, colours, traces, trigger, levels, chart, measures } = state.values;
+  const { fields, hidden, right, colours, traces, trigger, levels, chart, measures, references } = state.values;
   if (fields.includes(next)) return;
   const renamed = (other) => (other === name ? next : other);
   const changes = {
@@ -50,6 +51,7 @@ export function setSource(state, name, source) {
     levels: levels && { ...levels, field: renamed(levels.field) },
     chart: { ...chart, x: renamed(chart.x) },
     measures: { ...measures, against: renamed(measures.against) },
+    references: references.map((one) => (one.field === name ? withField(one, next) : one)),
   };
   if (trigger.field === name) state.setTrigger({ field: next }, changes);
   else state.set(changes);

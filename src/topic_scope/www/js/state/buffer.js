@@ -112,11 +112,12 @@ export class TraceBuffer {
   /**
    * Return a copy that further frames do not change.
    * @param {string[]} [fields] all by default
+   * @param {function(string): string} [nameOf] returns the name of a field in the copy; the same by default
    * @returns {TraceBuffer}
    */
-  copy(fields = [...this.traces.keys()]) {
+  copy(fields = [...this.traces.keys()], nameOf = (field) => field) {
     const some = (map) => new Map(fields.filter((field) => map.has(field))
-      .map((field) => [field, map.get(field).slice()]));
+      .map((field) => [nameOf(field), map.get(field).slice()]));
     const [traces, places, counts, lasts] = [this.traces, this.places, this.counts, this.lasts].map(some);
     return Object.assign(new TraceBuffer(), this, { traces, places, counts, lasts });
   }

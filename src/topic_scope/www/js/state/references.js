@@ -28,6 +28,15 @@ function withLine(one) {
   return { ...one, lines: new Map([[field, { points: moved, steps }]]) };
 }
 
+/**
+ * Return a reference under a new name of its trace; its samples stay.
+ * @param {Reference} one
+ * @param {string} field
+ * @returns {Reference}
+ */
+export const withField = (one, field) =>
+  withLine({ ...one, field, buffer: one.buffer.copy([one.field], () => field) });
+
 /** Remove references together with their traces. */
 export function startReferences(state) {
   state.on(["fields"], ({ fields, references }) => {

@@ -744,6 +744,18 @@ class Modules(BrowserTest):
         ]
         self.assertEqual(changes, expected)
 
+    def test_mask_is_offered_around_numbers_only(self) -> None:
+        offered = self.browser.call(
+            "measure/mask.js",
+            """(() => {
+              const values = { fields: ["/a", "/mode/data.state", "=/a * 2"] };
+              module.startMask({ values }, () => {}).choose("/a");
+              const around = document.getElementById("mask-around");
+              return [...around.options].map(({ value }) => value);
+            })()""",
+        )
+        self.assertEqual(offered, ["=/a * 2"])
+
     def test_two_fingers_zoom_until_one_is_lifted_or_cancelled(self) -> None:
         counts = self.browser.call(
             "base/pointers.js",

@@ -3,6 +3,7 @@
 import { byId, download, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { readNumber } from "../base/numbers.js";
+import { numbersOf } from "../state/states.js";
 
 const around = byId("mask-around");
 const numbers = { value: byId("mask-value"), time: byId("mask-time") };
@@ -66,7 +67,7 @@ export function startMask(state, send) {
   return {
     choose: (name) => {
       field = name;
-      const others = state.values.fields.filter((other) => other !== field);
+      const others = numbersOf(state.values.fields).filter((other) => other !== field);
       around.replaceChildren(...options(others));
       begin.disabled = !others.length;
     },

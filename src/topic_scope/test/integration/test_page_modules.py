@@ -178,6 +178,27 @@ class Modules(BrowserTest):
         )
         self.assertEqual(said, "The left axis cannot go from 5 to 1: its range is automatic.")
 
+    def test_set_end_of_an_axis_acts_wherever_the_samples_are(self) -> None:
+        cases = [
+            ((None, None), [0, 2]),
+            ((1, None), [1, 2]),
+            ((5, None), [5, 7]),
+            ((2, None), [2, 4]),
+            ((None, 1), [0, 1]),
+            ((None, -5), [-7, -5]),
+            ((0.5, 9), [0.5, 9]),
+            ((9, 0.5), [0, 2]),
+        ]
+        ranges = self.browser.call(
+            "plot/dygraph_view.js",
+            "a[0].map(([low, high]) => module.Plot.prototype.rangeFor.call({ number: 1,"
+            " state: { values: { axes: { y: { low, high } }, references: [] } },"
+            " shown: { buffer: { extent: () => [0, 2] }, reference: 0, from: 0, to: 1 },"
+            " auto: { y: { update: (...ends) => ends.slice(0, 2) } } }, 'y', []))",
+            [ends for ends, _ in cases],
+        )
+        self.assertEqual(ranges, [expected for _, expected in cases])
+
     def test_references_stay_when_their_timestamp_source_changes(self) -> None:
         now = self.browser.call(
             "choose/timestamp_source.js",

@@ -164,6 +164,20 @@ export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 const minus = (text) => text.replace(/^-/, "−");
 
+/**
+ * Return the range of an axis with a set end; set ends in the wrong order are ignored.
+ * @param {?number} low set lower end; null: automatic
+ * @param {?number} high set upper end
+ * @param {[number, number]} range the automatic one; a set end beyond it keeps its length
+ * @returns {[number, number]}
+ */
+export function rangeWith(low, high, [from, to]) {
+  const length = Math.max(to - from, Math.abs(low ?? high ?? 0) * 1e-9);
+  if (high === null) return low === null || low < to ? [low ?? from, to] : [low, low + length];
+  if (low === null) return [from < high ? from : high - length, high];
+  return low < high ? [low, high] : [from, to];
+}
+
 const SHRINK_AFTER_S = 2.5;
 
 /** Automatic range with round ends; it grows immediately and shrinks with a delay. */

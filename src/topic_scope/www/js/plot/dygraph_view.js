@@ -2,7 +2,7 @@
 
 import { clockTicks, dateText, zoneText } from "../base/clock.js";
 import { make, themeColour } from "../base/dom.js";
-import { AutoRange, ticks } from "../base/numbers.js";
+import { AutoRange, rangeWith, ticks } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
 import { EarlierSweeps, widened } from "./earlier_sweeps.js";
@@ -244,8 +244,7 @@ export class Plot {
     const behind = [...earlier, ...this.state.values.references.map(({ lines }) => lines)];
     const extent = widened(buffer.extent(fields, from, to), behind, fields, from - reference, to - reference);
     const range = this.auto[axis].update(extent[0], extent[1], performance.now() / 1000);
-    const chosen = [low ?? range[0], high ?? range[1]];
-    return chosen[0] < chosen[1] ? chosen : range;
+    return rangeWith(low, high, range);
   }
 
   /** Area of the traces: x, y, w and h in the element [pixels]. */

@@ -1,6 +1,7 @@
 """Messages that a scope session sends to its pages; data source and sockets are fakes."""
 
 import asyncio
+import json
 from typing import Any, Dict, Iterator, List
 from unittest import mock
 
@@ -72,6 +73,17 @@ def test_page_before_first_topics_gets_master_state_only(session: ScopeSession) 
     session.frames.send()
     types = [message["type"] for message in socket.sent[1:]]
     assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
+
+
+def test_name_of_a_topic_is_replaced_by_its_fields_each_time(session: ScopeSession) -> None:
+    session.on_topics({"/a": "geometry_msgs/Vector3"})
+    socket = PageSocket(session)
+    for _ in range(2):  # the second time, they are shown already
+        session.handle(socket.page, json.dumps({"type": "select", "fields": ["/a"]}))
+        session.frames.send()
+        selected = [one["fields"] for one in socket.sent if one["type"] == "selected"]
+        assert selected == [["/a/x", "/a/y", "/a/z"]]
+        socket.sent.clear()
 
 
 def test_idle_session_sends_alive_to_ready_pages_only(session: ScopeSession) -> None:

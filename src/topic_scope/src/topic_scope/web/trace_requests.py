@@ -57,8 +57,8 @@ class TraceRequests:
     def _choose_fields(self, page: Page, fields: Sequence[str]) -> None:
         page.chosen = tuple(fields)
         self._selection.expand(fields, page)
+        page.view.select(())  # so that the page learns what its names denote, even if unchanged
         self._selection.select(page)
-        page.view.restart()
         self._selection.record()
         self._refresh()
 

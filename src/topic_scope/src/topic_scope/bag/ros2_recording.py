@@ -171,7 +171,11 @@ class Ros2Recording(Recording):
                 messages.append(self._converted(connection, data))
         except Exception as error:  # the library may raise anything for invalid files
             raise self._broken(error) from error
-        return [_part(connection, *both) for connection, both in found.items()]
+        # The library sorts the messages of a file by time.
+        return [
+            ConnectionMessages(connection, numpy.array(times, numpy.int64), messages)
+            for connection, (times, messages) in found.items()
+        ]
 
     def _messages(self, number: int, wanted: Collection[int]) -> Iterator[Tuple[int, int, bytes]]:
         """Return connection number, time [ns] and bytes of the messages in a chunk."""
@@ -271,11 +275,3 @@ def _check_index(reader: Any) -> None:
     if chunks and known < reader.message_count:
         text = "has no index of its messages; make one by: mcap recover"
         raise BagError(f"{reader.path} {text}")
-
-
-def _part(connection: int, times: List[int], messages: List[bytes]) -> ConnectionMessages:
-    moments = numpy.array(times, numpy.int64)
-    order = numpy.argsort(moments, kind="stable")
-    return ConnectionMessages(
-        connection, moments[order], [messages[index] for index in order.tolist()]
-    )

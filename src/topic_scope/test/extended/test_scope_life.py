@@ -153,6 +153,7 @@ class Life(unittest.TestCase):
         page.wait_for("master", lambda reply: "does not answer" in reply["text"])
         page.forget()
         page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
+        self.page().wait_for("master", lambda reply: "does not answer" in reply["text"])
         master.start()
         page.wait_for("master", lambda reply: reply["text"] == "")
         # A node that starts only now is found, with its parameters.

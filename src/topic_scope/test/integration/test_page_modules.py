@@ -917,6 +917,124 @@ class Modules(BrowserTest):
         expected = [None, -8.5, -10, -7.1, None]
         self.assertEqual([one if one is None else round(one, 6) for one in found], expected)
 
+    def test_answer_about_an_earlier_text_is_not_used(self) -> None:
+        problems = self.browser.call(
+            "choose/formula.js",
+            """(() => {
+              const state = { values: { fields: ["/a"] } };
+              const entry = new module.FormulaEntry(state, () => {}, () => {});
+              const seen = () => entry.answer?.text ?? null;
+              entry.ask("=a");
+              entry.take({ text: "=a", functions: [] });
+              const known = seen();
+              entry.ask("=2*a");
+              const asked = seen();
+              entry.take({ text: "=a", functions: [] });
+              return [known, asked, seen()];
+            })()""",
+        )
+        self.assertEqual(problems, ["=a", None, None])
+
+    def test_button_of_a_managed_node_keeps_the_focus(self) -> None:
+        focused = self.browser.call(
+            "controls/managed.js",
+            """(() => {
+              const show = module.startManaged({ values: { readonly: false } }, () => {});
+              const nodes = (state) => ["/a", "/b"].map((node) =>
+                ({ node, state, transitions: ["configure", "shutdown"] }));
+              show({ nodes: nodes("unconfigured") });
+              document.querySelector("[aria-label='/b: shutdown']").focus();
+              show({ nodes: nodes("inactive") });
+              const label = document.activeElement.getAttribute("aria-label");
+              show({ nodes: [] });
+              return label;
+            })()""",
+        )
+        self.assertEqual(focused, "/b: shutdown")
+
+    def test_legend_of_a_picture_has_the_dashes_of_the_traces(self) -> None:
+        strokes = self.browser.call(
+            "measure/picture.js",
+            """a[0].map((dash) => {
+              const row = document.createElement("tr");
+              row.dataset.field = "/a";
+              document.getElementById("legend").append(row);
+              const element = document.createElement("div");
+              element.style.cssText = "position: fixed; width: 500px; height: 50px";
+              document.body.append(element);
+              const style = { colourOf: () => "#ff0000", dashOf: () => dash,
+                labelOf: (field) => field, notes: [] };
+              const drawn = { element, canvases: [], redraw() {} };
+              const canvas = module.picture(drawn, ["/a"], style, 0);
+              row.remove();
+              element.remove();
+              const { width, height } = canvas;
+              const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+              const isRed = (x, y) => data[4 * (y * width + x)] > 250 &&
+                data[4 * (y * width + x) + 1] < 5;
+              const starts = (y) => Array.from({ length: width - 1 }, (_, x) => x + 1)
+                .filter((x) => isRed(x, y) && !isRed(x - 1, y)).length;
+              return Math.max(...Array.from({ length: height }, (_, y) => starts(y)));
+            })""",
+            [[], [9, 4]],
+        )
+        self.assertEqual(strokes, [1, 2])
+
+    def test_layers_behind_a_trace_have_the_scale_of_its_axis(self) -> None:
+        heights = self.browser.call(
+            "plot/dygraph_view.js",
+            """(() => {
+              const drawn = [];
+              const draw = (_context, _area, _lines, fields, { up }) => {
+                drawn.push(...fields.map((field) => up(field, 1)));
+              };
+              const plot = { shown: { earlier: [new Map()] }, earlier: { draw },
+                fields: ["/left", "/right"],
+                state: { values: { references: [], right: new Set(["/right"]) } } };
+              const graph = { toDomYCoord: (value, axis) => value + 10 * axis };
+              module.Plot.prototype.drawBehind.call(plot, null, {}, graph);
+              return drawn;
+            })()""",
+        )
+        self.assertEqual(heights, [1, 11])
+
+    def test_reference_is_drawn_inside_the_plot_only(self) -> None:
+        painted = self.browser.call(
+            "plot/reference_lines.js",
+            """(() => {
+              const canvas = document.createElement("canvas");
+              Object.assign(canvas, { width: 100, height: 50 });
+              const context = canvas.getContext("2d");
+              const lines = new Map([["/a", { points: [0, 25, 100, 25], steps: false }]]);
+              const plot = { colourOf: () => "#ff0000", across: (x) => x, up: (_, y) => y };
+              module.drawReferences(context, { x: 20, y: 5, w: 60, h: 40 },
+                [{ name: "", field: "/a", lines }], ["/a"], plot);
+              const isPainted = (x) => context.getImageData(x, 24, 1, 2).data.some((part) => part);
+              return a[0].map(isPainted);
+            })()""",
+            [10, 25, 75, 90],
+        )
+        self.assertEqual(painted, [False, True, True, False])
+
+    def test_goal_without_a_heading_points_away_from_the_robot(self) -> None:
+        sent = self.browser.call(
+            "robots/goals.js",
+            """(() => {
+              const sent = [];
+              const robot = { x: 1, y: 1, frame: "map" };
+              const goals = new module.Goals((goal) => sent.push(goal), () => robot, () => {});
+              for (const heading of ["", "-90"]) {
+                for (const [name, text] of Object.entries({ x: "1", y: "3", heading })) {
+                  document.getElementById(`goal-${name}`).value = text;
+                }
+                goals.sendTyped();
+              }
+              return sent.map(({ x, y, heading, frame }) =>
+                [x, y, (heading * 180) / Math.PI, frame]);
+            })()""",
+        )
+        self.assertEqual(sent, [[1, 3, 90, "map"], [1, 3, -90, "map"]])
+
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again
         rows = self.browser.call(

@@ -219,25 +219,28 @@ def test_dropped_image_is_read_again_or_has_a_reason(
     read_again.assert_called_once_with(TOPIC, to_ns(NOW + 1.0))
 
 
-def test_images_of_paused_pages_are_dropped_last(monkeypatch: "pytest.MonkeyPatch") -> None:
+@pytest.mark.parametrize("delay", [0.0, 1000.0])
+def test_images_of_paused_pages_are_dropped_last(
+    monkeypatch: "pytest.MonkeyPatch", delay: float
+) -> None:
     scope = Scope()
-    scope.send(1)
+    scope.send(1, delay=delay)
     size = len(serialized(Image(encoding="mono8", data=b"x")))
     monkeypatch.setattr(image_history, "MOST_BYTES", 3 * size)
     scope.choose(scope.pages[0], "")
     scope.choose(scope.pages[0], TOPIC)
-    scope.send(2, 3)
+    scope.send(2, 3, delay=delay)
     scope.pages.append(Page(5.0))
     scope.choose(scope.pages[1], TOPIC)
     for page, start in zip(scope.pages, (1.5, 2.5)):
         page.view.pinned = (NOW + start, NOW + start + 0.5)
     scope.reply()
-    scope.send(4, 5, 6)
+    scope.send(4, 5, 6, delay=delay)
     assert scope.reply(NOW + 2.0)[1] is not None and scope.reply(NOW + 3.0)[1] is not None
     assert "was dropped" in scope.text(NOW + 4.0)
     scope.pages[0].view.pinned = scope.pages[1].view.pinned = None
     scope.reply()
-    scope.send(7, 8, 9)
+    scope.send(7, 8, 9, delay=delay)
     assert "was dropped" in scope.text(NOW + 3.0)
     assert scope.reply(NOW + 7.0)[1] is not None
 

@@ -1,5 +1,6 @@
 """Mask around a reference, and the command that checks a bag."""
 
+import argparse
 import csv
 import itertools
 import math
@@ -69,6 +70,18 @@ def test_worst_excess_is_that_of_all_samples_so_far() -> None:
         made.update()
         result = check.update(made)
     assert (result.outside, result.worst) == (2, 4.0)
+
+
+def test_live_check_starts_when_both_traces_are_received() -> None:
+    source = TimedSource()
+    arguments = argparse.Namespace(field="/a", around="/b", value=1.0, time=0.0)
+    checker = mask_command.TraceChecker(recording(source), arguments)
+    checker.begin(source.time, math.inf)
+    has_started = []
+    for topic in ("/a", "/b"):
+        source.receive(topic, [source.time], [0.0])
+        has_started.append(checker.start(source.time))
+    assert has_started == [False, True]
 
 
 @pytest.mark.parametrize("time", [pytest.param(35.0, marks=pytest.mark.extended), 80.0])

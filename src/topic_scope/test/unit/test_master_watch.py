@@ -1,5 +1,6 @@
-"""Thread that polls the master, and survives exceptions."""
+"""Thread that polls the master in time and on request, and survives exceptions."""
 
+import itertools
 import threading
 from typing import List
 from unittest import mock
@@ -14,7 +15,8 @@ from topic_scope.messages.layout_cache import Layouts
 def test_an_exception_does_not_end_it() -> None:
     states: List[GraphState] = []
     over = threading.Event()
-    subscriptions = mock.Mock(**{"adjust.side_effect": [ValueError("an invalid name"), None, None]})
+    errors = itertools.chain([ValueError("an invalid name")], itertools.repeat(None))
+    subscriptions = mock.Mock(**{"adjust.side_effect": errors})
     master = mock.Mock()
     master.system_state.return_value = SystemState([("/a", ["/node"])], [], [])
     master.topic_types.return_value = {"/a": "std_msgs/Float32"}
@@ -22,15 +24,18 @@ def test_an_exception_does_not_end_it() -> None:
         mock.patch.object(master_watch, "MasterClient", return_value=master),
         mock.patch("rospy.is_shutdown", over.is_set),
         mock.patch("rospy.logerr"),
+        mock.patch.object(master_watch, "PERIOD_S", 60.0),
     )
-    with patches[0], patches[1], patches[2] as log:
+    with patches[0], patches[1], patches[2] as log, patches[3]:
         watch = MasterWatch(subscriptions, Layouts())
         watch.start(states.append, mock.Mock())
-        watch.refresh()
-        wait_until(lambda: states, lambda: "no state")
+        for count in (1, 2):
+            watch.refresh()
+            wait_until(lambda: len(states) >= count, lambda: "no state")
         over.set()
         watch.refresh()
         threads = threading.enumerate
         wait_until(lambda: "master" not in [one.name for one in threads()], lambda: "it continues")
     assert "an invalid name" in log.call_args[0][1]
+    assert len(states) == 2
     assert states[0].published_types == {"/a": "std_msgs/Float32"}

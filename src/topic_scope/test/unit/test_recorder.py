@@ -83,6 +83,17 @@ def values(made: Recorder, name: str = "/a/data") -> List[float]:
     return list(made.samples(name, 0.0, 1e9)[1])
 
 
+def test_topic_with_an_unreadable_definition_has_no_fields_of_the_installed_type() -> None:
+    layouts = Layouts()
+    layouts.installed("std_msgs/Float32")
+    layouts.reject({"type": "std_msgs/Float32"}, "its definition cannot be read")
+    made = Recorder(FakeSource(), layouts, 10.0)  # type: ignore[arg-type]
+    made.set_topics({"/a": "std_msgs/Float32"})
+    made.want(["/a/data"], 1000.0)
+    assert made.choices() == []
+    assert made.problem("/a/data") == "its definition cannot be read"
+
+
 def test_only_requested_fields_are_subscribed_and_recorded() -> None:
     source = FakeSource()
     made = recording(source, "/a/data", "/d/later")

@@ -44,6 +44,18 @@ def test_trace_without_a_sample_in_the_span_has_a_reason(
     assert (reply["problem"], reply["silent"]) == (words, None)
 
 
+def test_jumps_of_a_derivative_by_reception_are_explained() -> None:
+    source, names = FakeSource(), ["/a/data", "/a/data.derivative"]
+    made = recording(source, *names)
+    source.send(Float32, 1.0, 2.0, 4.0)
+    made.update()
+    view = LiveView(View(5.0, 100, None))
+    view.select(names)
+    table = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)
+    plain, derivative = (table["traces"][name]["jumps"] for name in names)
+    assert plain is None and derivative.startswith("timed by reception")
+
+
 class Recorder:
     """Recorder with a problem of one field."""
 

@@ -226,6 +226,30 @@ class Modules(BrowserTest):
         )
         self.assertEqual(now, [["R1", "/f/x@received", 11, 12, True], ["R2", "/g/x", 7, 8, False]])
 
+    def test_choice_of_a_timestamp_source_keeps_the_focus(self) -> None:
+        focused = self.browser.call(
+            "choose/timestamp_source.js",
+            """await (async () => {
+              const { State } = await import("/static/js/state/store.js");
+              const state = new State();
+              const table = document.createElement("div");
+              document.body.append(table);
+              state.on(["fields"], ({ fields }) => table.replaceChildren(
+                ...fields.map((field) => module.timestampChoice(state, field, () => {}).element)));
+              state.set({ fields: ["/f/x", "/g/x"] });
+              const select = table.children[1];
+              select.append(new Option("received"));
+              select.focus();
+              select.value = "received";
+              select.dispatchEvent(new Event("change"));
+              const label = document.activeElement.getAttribute("aria-label");
+              table.remove();
+              return [label, state.values.fields];
+            })()""",
+        )
+        expected = ["timestamp source of /g/x@received", ["/f/x", "/g/x@received"]]
+        self.assertEqual(focused, expected)
+
     def test_trace_settings_are_read_back(self) -> None:
         chosen = {
             "/a": {"plot": 2},

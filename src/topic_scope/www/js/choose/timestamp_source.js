@@ -31,6 +31,11 @@ export function sourcesOf(available, topic) {
   return ["received", ...own.map((name) => (name === "header/stamp" ? "stamp" : name))];
 }
 
+/** Name of a trace with another timestamp source. */
+const withSource = (name, source) => splitSource(name)[0] + (source && `@${source}`);
+
+const controlOf = (name) => `timestamp ${name}`;
+
 /**
  * Set the timestamp source of a trace, keeping its other settings.
  * @param {import("../state/store.js").State} state
@@ -38,7 +43,7 @@ export function sourcesOf(available, topic) {
  * @param {string} source empty to leave it to the scope
  */
 export function setSource(state, name, source) {
-  const next = splitSource(name)[0] + (source && `@${source}`);
+  const next = withSource(name, source);
   const { fields, hidden, right, colours, traces, trigger, levels, chart, measures, references } = state.values;
   if (fields.includes(next)) return;
   const renamed = (other) => (other === name ? next : other);
@@ -77,11 +82,15 @@ export function timestampChoice(state, name, chooseClock) {
   const choose = (value) => {
     if (value.startsWith(CLOCK)) chooseClock(topic, value.slice(CLOCK.length));
     else if (clock) chooseClock(topic, "");
-    if (!value.startsWith(CLOCK)) setSource(state, name, value);
+    if (value.startsWith(CLOCK)) return;
+    setSource(state, name, value);
+    const control = controlOf(withSource(name, value));
+    // The row was replaced by one with the new name.
+    if (!element.isConnected) document.querySelector(`[data-control="${CSS.escape(control)}"]`)?.focus();
   };
   const element = make("select", {
     "aria-label": `timestamp source of ${name}`,
-    "data-control": `timestamp ${name}`,
+    "data-control": controlOf(name),
     title: "timestamp source",
     disabled: isFixed,
     change: () => choose(element.value),

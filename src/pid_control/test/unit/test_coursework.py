@@ -253,6 +253,17 @@ def test_trial_in_a_namespace_keeps_global_names_of_parameters(
         assert server == {**dict.fromkeys(names, 2.0), "/use_sim_time": True}
 
 
+def test_trial_knows_the_parameters_that_its_nodes_have_set(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    server = {"/a/gain": 2.0, "/a/set": 1.0, "/ab/set": 3.0, "/set": 4.0}
+    monkeypatch.setattr("rospy.get_param_names", lambda: list(server))
+    monkeypatch.setattr("rospy.get_param", server.__getitem__)
+    node = mock.Mock(global_name="/a")
+    trial = Trial(mock.Mock(), mock.Mock(), [node], {"/a/gain": 2.0}, 0.0)
+    assert trial.own_parameters() == {"/a/set": 1.0}
+
+
 @pytest.mark.parametrize(("is_simulated", "passed"), [(True, 0.0), (False, 0.5)])
 def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
     is_simulated: bool, passed: float, monkeypatch: pytest.MonkeyPatch

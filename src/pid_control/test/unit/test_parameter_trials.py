@@ -3,6 +3,7 @@
 import math
 import pathlib
 import shutil
+import types
 from typing import Any, Callable, List, Mapping, Tuple
 
 import pytest
@@ -47,7 +48,7 @@ def wave_loops(parameters: Mapping[str, Any]) -> TrialFeatures:
 
 
 def tried(
-    folder: pathlib.Path, law: Law
+    folder: pathlib.Path, law: Law, own: Mapping[str, Any] = types.MappingProxyType({})
 ) -> Tuple[ParameterResults, ParameterTrials, List[Coursework]]:
     """Return the parameters of a coursework that follows a law, its trials, and the run ones."""
     coursework = find_coursework(str(folder), [], {"PATH": "/usr/bin:/bin"})
@@ -59,7 +60,7 @@ def tried(
         return law(one.parameters)
 
     pair = NodePair(generator, process, {}, {}, {})
-    baseline = BaselineTrial(law(coursework.parameters), NOTHING, NOTHING, {})
+    baseline = BaselineTrial(law(coursework.parameters), NOTHING, NOTHING, {}, own)
     trials = ParameterTrials(coursework, pair, baseline, run)
     return trials.run(), trials, ran
 
@@ -151,6 +152,23 @@ def test_file_that_no_launch_file_loads_is_unused(tmp_path: pathlib.Path) -> Non
     assert dict(found.unused_files) == {"params.yaml": "no launch file loads it"}
     assert found.hidden == {GENERATOR, PROCESS}  # by their names in the sources
     assert found.read_by(GENERATOR) == 1
+
+
+def test_parameters_that_a_node_sets_itself_are_hidden_from_the_launch_file(
+    tmp_path: pathlib.Path,
+) -> None:
+    """A node of nodekit declares its parameters without get_param, and sets their defaults."""
+
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
+        return features(1.0, 1.0, parameters.get("/process/scale", 0.5), 1.5, 1.0)
+
+    line = '<rosparam file="$(find wave_loops)/config/params.yaml" command="load"/>'
+    package = copy("wave_loops", tmp_path, "launch/cw1.launch", line, "")
+    (package / "config" / "params.yaml").unlink()
+    own = {"/process/scale": 0.5, "/process/text": "a", "/process/on": True}
+    found, _, _ = tried(package, law, own)
+    assert (found.tried, found.hidden) == ([], {PROCESS})
+    assert tried(package, law)[0].hidden == set()
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Evidence about a signal generator and process node: results of trials, effects of parameters."""
 
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+import types
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from pid_control.signal_judging.channels import Channel
 from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
@@ -51,12 +52,14 @@ class BaselineTrial(NamedTuple):
     :ivar signal: the generator's signal
     :ivar output: the process node's output
     :ivar constants: constant fields of the signal's messages, by name
+    :ivar own_parameters: parameters that the nodes themselves have set, by global name
     """
 
     features: TrialFeatures
     signal: Channel
     output: Channel
     constants: Mapping[str, float]
+    own_parameters: Mapping[str, Any] = types.MappingProxyType({})
 
 
 class RestartTrial(NamedTuple):

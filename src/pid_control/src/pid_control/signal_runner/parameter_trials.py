@@ -61,7 +61,7 @@ class ParameterTrials:
         features: Callable[[Coursework], TrialFeatures],
     ) -> None:
         self._coursework, self._pair, self._features = coursework, pair, features
-        self._before = baseline.features
+        self._before, self._own = baseline.features, baseline.own_parameters
         self._before_names = set(coursework.parameters)
         #: Names of the numbers in each YAML file that has any.
         self._numbered: Dict[str, Set[str]] = {}
@@ -255,15 +255,19 @@ class ParameterTrials:
             return None
 
     def _reads_hidden(self, node: str) -> bool:
-        """Return True if a node changes with parameters that only its source names, or no numbers.
+        """Return True if a node changes with other parameters than numbers of the launch file.
 
-        A launch file may set a text of a number, or a list of numbers.
+        Its source may name them, or the node set them itself. A launch file may set a text of a
+        number, or a list of numbers.
         """
         values: Dict[str, Any] = {}
         for name, default in self._coursework.names_in_source(self._node(node).command.name):
             value = changed(default, role_of(name, _roles(node)), is_far=False)
             for place in self._places(node, name):
                 values[place] = value
+        for name, own in self._own.items():
+            if is_number(own) and name.startswith(self._node(node).global_name + "/"):
+                values[name] = changed(own, self._role(name)[1], is_far=False)
         known = self._coursework.parameters
         values = {name: value for name, value in values.items() if name not in known}
         for name, value in known.items():

@@ -227,7 +227,9 @@ class SignalSession:
         end = trial.now
         features = self._features_of(signal, output)
         constants = self._constants(signal, begin)
-        self.evidence.baseline = baseline = BaselineTrial(features, signal, output, constants)
+        self.evidence.baseline = baseline = BaselineTrial(
+            features, signal, output, constants, trial.own_parameters()
+        )
         rate = signal.rate()
         if rate and not self._real_time:
             self._check_clock(trial, pair, rate)

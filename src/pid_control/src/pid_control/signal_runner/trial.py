@@ -123,6 +123,12 @@ class Trial:
         """Largest delay of this process with the machine's clock so far [s]."""
         return self._clock.latest if isinstance(self._clock, WallClock) else 0.0
 
+    def own_parameters(self) -> Dict[str, Any]:
+        """Return the parameters that the nodes themselves have set, by global name."""
+        places = tuple(f"{node.global_name}/" for node in self._nodes)
+        names = [name for name in rospy.get_param_names() if name.startswith(places)]
+        return {name: rospy.get_param(name) for name in names if name not in self._parameters}
+
     def start(self) -> None:
         """Start all nodes.
 

@@ -16,6 +16,7 @@ from pid_control.programs.submissions import (
     RosterError,
     Submission,
     missing_in,
+    name_in,
     needed_siblings,
     read_roster,
     submissions_in,
@@ -282,6 +283,24 @@ def test_roster_maps_folders_and_archives_to_students(tmp_path: pathlib.Path) ->
     there = [Submission("g1.zip/x", "g1.zip", "/x"), Submission("g2", "g2", "/y")]
     [missing] = missing_in(there, roster)
     assert (missing.entry, missing.why) == ("g3", "nothing handed in")
+
+
+def test_roster_names_the_student_of_a_file_that_is_not_unpacked(tmp_path: pathlib.Path) -> None:
+    fill(tmp_path / "class", {"anna.rar": "", "ben.v2/x": "", "cleo.pdf": ""})
+    finder = ProgramFinder("controller.py", [], {})
+    there = submissions_in(str(tmp_path / "class"), finder, str(tmp_path / "scratch"))
+    roster = {"anna": "Anna", "ben": "Ben", "cleo.pdf": "Cleo"}
+    assert [name_in(roster, one) for one in there] == ["anna", "", "cleo.pdf"]
+    assert [one.entry for one in missing_in(there, roster)] == ["ben"]
+
+
+@pytest.mark.parametrize(
+    "heading, names", [("Folder,Name", ["a"]), ("id, student,mark", ["a"]), ("b,Name", ["b", "a"])]
+)
+def test_roster_heading_is_skipped(tmp_path: pathlib.Path, heading: str, names: List[str]) -> None:
+    path = tmp_path / "roster.csv"
+    path.write_text(f"{heading}\na,Anna\n")
+    assert list(read_roster(str(path))) == names
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,14 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import rospkg
 
-from pid_control.programs.archives import stem_of
 from pid_control.programs.program_finder import NothingToJudge, SubjectFinder
-from pid_control.programs.submissions import Submission, missing_in, needed_siblings, submissions_in
+from pid_control.programs.submissions import (
+    Submission,
+    missing_in,
+    name_in,
+    needed_siblings,
+    submissions_in,
+)
 from pid_control.verdicts.batch_page import as_html, as_page_of_student
 from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
 from pid_control.verdicts.reports import as_csv, text_cell
@@ -143,7 +148,7 @@ class Batch:
             not_judged = [(name, Judgement(NOT_JUDGED, [], [], why))]
             text_of_row = as_csv(not_judged, self._finder.figures, self._finder.subject)
             [row] = csv.DictReader(io.StringIO(text_of_row))
-        student = self._roster.get(stem_of(submission.entry), "")
+        student = self._roster.get(name_in(self._roster, submission), "")
         student_cell = {"student": student} if self._roster else {}
         row = {**student_cell, **row, self._finder.subject: name}
         page = stem + ".html"

@@ -17,6 +17,11 @@ _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
 _BUILT = ("build", "devel", "install", "logs")
 #: Elements of a package.xml with a dependency to build or run; the last one is of format 1.
 _NEEDS = ("depend", "build_depend", "exec_depend", "run_depend")
+#: Words of a heading of a roster's columns.
+_HEADINGS = (
+    *("archive", "entry", "file", "folder", "group", "id", "login", "submission"),
+    *("full name", "name", "student", "student name", "students", "user", "username"),
+)
 
 
 class RosterError(Exception):
@@ -31,6 +36,7 @@ class Submission(NamedTuple):
     :ivar package: folder of the package; empty if there is nothing to judge
     :ivar why: why there is nothing to judge
     :ivar siblings: folders of the other packages of the entry
+    :ivar is_file: whether the entry is a file that is not unpacked
     """
 
     name: str
@@ -38,6 +44,7 @@ class Submission(NamedTuple):
     package: str
     why: str = ""
     siblings: Sequence[str] = ()
+    is_file: bool = False
 
 
 def packages_in(folder: str, deepest: int = _DEEPEST) -> List[str]:
@@ -82,7 +89,8 @@ def _of_entry(entry: str, place: str, finder: SubjectFinder, scratch: str) -> Li
             return [Submission(entry, entry, "", str(error))]
         place = scratch
     elif not os.path.isdir(place):
-        return [Submission(entry, entry, "", "it is neither a folder nor an archive (zip, tar)")]
+        why = "it is neither a folder nor an archive (zip, tar)"
+        return [Submission(entry, entry, "", why, is_file=True)]
     packages = packages_in(place, _DEEPEST_OF_ENTRY)
     if not packages and place != scratch:
         inner = [name for name in sorted(os.listdir(place)) if is_archive(f"{place}/{name}")]
@@ -165,7 +173,7 @@ def _name_and_needs(package: str) -> Tuple[str, List[str]]:
 
 
 def read_roster(path: str) -> Dict[str, str]:
-    """Return the student of each folder or archive.
+    """Return the student of each folder or archive; skip a heading.
 
     :param path: CSV file; each row has the name of a folder or archive, and the student
     :raises RosterError: if a row has no student, or an entry has two
@@ -174,7 +182,8 @@ def read_roster(path: str) -> Dict[str, str]:
     with open(path, encoding="utf-8-sig", newline="") as file:
         for number, row in enumerate(csv.reader(file, skipinitialspace=True), start=1):
             cells = [cell.strip() for cell in row]
-            if not any(cells):
+            is_heading = number == 1 and all(cell.lower() in _HEADINGS for cell in cells[:2])
+            if not any(cells) or is_heading:
                 continue
             if len(cells) < 2 or not cells[0] or not cells[1]:
                 raise RosterError(f"line {number}: must be a folder or archive, and a student")
@@ -184,11 +193,22 @@ def read_roster(path: str) -> Dict[str, str]:
     return found
 
 
+def name_in(roster: Dict[str, str], submission: Submission) -> str:
+    """Return the name of a submission's entry in a roster, or an empty text.
+
+    :param roster: student of each folder or archive
+    :param submission: the submission; a file may have any ending
+    """
+    names = [stem_of(submission.entry)]
+    names += [os.path.splitext(submission.entry)[0]] if submission.is_file else []
+    return next((name for name in names if name in roster), "")
+
+
 def missing_in(submissions: Sequence[Submission], roster: Dict[str, str]) -> List[Submission]:
     """Return a submission with nothing to judge for each missing entry of a roster.
 
     :param submissions: the existing submissions
     :param roster: student of each folder or archive
     """
-    there = {stem_of(one.entry) for one in submissions}
+    there = {name_in(roster, one) for one in submissions}
     return [Submission(name, name, "", "nothing handed in") for name in roster if name not in there]

@@ -94,6 +94,32 @@ def test_build_nonzero_status_is_a_failure(
         build_with(tmp_path, monkeypatch, "Fehler 2", 1)
 
 
+def test_build_error_has_paths_below_the_package(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    """The workspace is removed, so its path would not help a student."""
+    workspace = tmp_path / "scratch" / "workspace"
+    error = f"Error in {workspace}/src/package/package.xml: no version"
+    with pytest.raises(NothingToJudge, match=r"it does not build: Error in package\.xml: no vers"):
+        build_with(tmp_path, monkeypatch, error, 1)
+
+
+def test_package_without_the_named_file_has_a_hint_of_its_controllers(
+    tmp_path: pathlib.Path,
+) -> None:
+    package = tmp_path / "scripts"
+    package.mkdir()
+    (package / "plot.py").write_text("import rospy\n")
+    with pytest.raises(NothingToJudge, match=r"^it has no controller\.py$"):
+        program().words(str(tmp_path), None)
+    (package / "pid.py").write_text("rospy.Publisher('motor_input', Float32)\n")
+    says = (
+        r"no controller\.py; scripts/pid\.py mentions motor_input, and can be judged by its path$"
+    )
+    with pytest.raises(NothingToJudge, match=says):
+        program().words(str(tmp_path), None)
+
+
 def test_build_without_add_dependencies_succeeds_once_the_messages_are_there(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

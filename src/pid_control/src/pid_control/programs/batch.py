@@ -214,6 +214,8 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> Tuple[str
     text, status = run_bounded(command, _BUILD_S, environment)
     if status == 0:
         return workspace, []
+    # Paths below the package, as the workspace of the build is removed.
+    text = text.replace(os.path.join(workspace, "src", "package", ""), "")
     # Without add_dependencies in CMakeLists.txt, messages may be generated too late for a program.
     run_bounded([*command, "--make-args", "-k"], _BUILD_S, environment)
     if run_bounded(command, _BUILD_S, environment)[1] != 0:

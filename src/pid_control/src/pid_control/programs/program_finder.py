@@ -6,8 +6,11 @@ import re
 from contextlib import suppress
 from typing import List, Optional, Protocol, Sequence
 
-from pid_control.programs.program_command import find_files, near_names
+from pid_control.programs.program_command import files_in, find_files, near_names
 from pid_control.verdicts.limits import Figures
+
+#: Most files in a hint.
+_MOST_NAMES = 3
 
 
 class NothingToJudge(Exception):
@@ -74,7 +77,8 @@ class ProgramFinder:
         if workspace is not None:
             found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
         if not found:
-            raise NothingToJudge(f"it has no {self._name}{near_names(self._name, package)}")
+            near = near_names(self._name, package) or _controllers_in(package)
+            raise NothingToJudge(f"it has no {self._name}{near}")
         return [found[0], *self._arguments]
 
     def hint(self, folder: str) -> str:
@@ -83,3 +87,15 @@ class ProgramFinder:
         if not found:
             return ""
         return f"; {os.path.relpath(found[0], folder)} can be judged by its path"
+
+
+def _controllers_in(package: str) -> str:
+    """Return a hint with the Python files that may be a controller, by the name of its topic."""
+    found = []
+    for path in files_in(package):
+        with suppress(OSError):
+            if path.endswith(".py"):
+                with open(path, encoding="utf-8", errors="replace") as file:
+                    found += [path] if "motor_input" in file.read() else []
+    names = " or ".join(sorted(os.path.relpath(path, package) for path in found)[:_MOST_NAMES])
+    return f"; {names} mentions motor_input, and can be judged by its path" if names else ""

@@ -261,6 +261,15 @@ def list_tests(times: Times) -> None:
     print(f"\nWithout a word: {' '.join(DEFAULT)}. A dash: not run here yet.")
 
 
+def list_steps(steps: List[Step], times: Times) -> None:
+    """Print the steps that would run, with their usual times."""
+    row = "%9s %12s  %s"
+    print(row % ("seconds", "processor s", "step"))
+    for step in steps:
+        print(row % (*usual([step], times), step.title))
+    print(f"\n{len(steps)} steps. A dash: not run here yet.")
+
+
 def usual(steps: List[Step], times: Times) -> Tuple[str, str]:
     """Return wall and processor time of some steps, a dash for unknown values."""
     if not all(times.knows(step.title) for step in steps):
@@ -333,6 +342,7 @@ def main(words: List[str]) -> int:
     options, times = arguments(words), Times()
     if options.list:
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `| head` ends it without a traceback
+    if options.list and not options.words and not options.changed:
         list_tests(times)
         return 0
     try:
@@ -340,6 +350,9 @@ def main(words: List[str]) -> int:
     except (UnknownWord, UnknownCommit) as error:
         print(f"ci/test: {error}", file=sys.stderr)
         return 125
+    if options.list:
+        list_steps(steps, times)
+        return 0
     if not steps:
         print("ci/test: nothing has changed that has tests\n\n0 passed, 0 failed, 0 skipped")
         return 0

@@ -276,3 +276,13 @@ def test_lint_looks_at_every_python_file_that_is_not_generated(
         monkeypatch.setattr(module, "WORKSPACE", tmp_path)
     places = [tmp_path / place for place in ("ci", "docs", "src")]
     assert tier_plan.python_files(*places) == [str(tmp_path / name) for name in own]
+
+
+def test_list_of_a_selection_has_its_steps_alone(capsys: "pytest.CaptureFixture[str]") -> None:
+    """A user who asks what would run does not want a list of everything."""
+    assert command.main(["nodekit_msgs", "lint", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any("lint" in line for line in lines)
+    assert lines[-1].endswith("steps. A dash: not run here yet.") and len(lines) < 20
+    assert not any("topic_scope" in line for line in lines)
+    assert command.main(["no_such_package", "--list"]) == 125

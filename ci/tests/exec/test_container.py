@@ -56,6 +56,8 @@ def test_only_the_page_is_published_and_the_nodes_network_is_internal() -> None:
     published = [(name, port) for name in services for port in services[name].get("ports", [])]
     assert published == [("scope", "127.0.0.1:${SCOPE_PORT:-8080}:8080")]
     assert services["course"]["networks"] == ["ros"]
+    # With a master of its own, nodes would listen on localhost only.
+    assert services["course"]["environment"]["ROS_HOSTNAME"] == services["course"]["hostname"]
     assert composed["networks"]["ros"] == {"name": "basic_comms", "internal": True}
     for service in services.values():
         assert service["read_only"] is True and service["cap_drop"] == ["ALL"]

@@ -129,6 +129,8 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
             files[relative] = path.read_text("utf-8").replace(PLACEHOLDER, name)
     try:
         package.mkdir()
+    except FileNotFoundError:
+        raise NewPackageError(f"there is no folder {folder}") from None
     except OSError as error:
         raise NewPackageError(f"{package} cannot be created: {error.strerror}") from None
     try:

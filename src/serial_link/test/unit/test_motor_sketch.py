@@ -154,3 +154,11 @@ def test_floods_on_request() -> None:
     assert len(outputs(bench.run(100.001, 0.1))) >= 99
     assert bench.sketch.next_due(100.1) == 100.1
     assert Bench().sketch.next_due(100.0) == 100.0
+
+
+def test_values_that_were_due_while_the_sketch_hung_are_not_sent_later() -> None:
+    bench = Bench()
+    bench.run(100.001, 0.1)
+    frames = bench.run(110.0, 0.1)  # after ten seconds
+    assert 10 <= len(outputs(frames)) <= 12
+    assert len([1 for topic, _ in frames if topic == POTENTIOMETER]) <= 3

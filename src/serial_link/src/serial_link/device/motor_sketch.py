@@ -19,8 +19,8 @@ from serial_link.negotiation.payloads import (
 INPUT_TIMEOUT_S = 0.5
 #: Interval for repeating the button's state [s], for late subscribers.
 BUTTON_EVERY_S = 1.0
-#: Rate of reading the potentiometer [Hz], and its full scale (10 bits).
-POTENTIOMETER_HZ, FULL_SCALE = 10.0, 1023
+#: Interval for reading the potentiometer [s], and its full scale (10 bits).
+POTENTIOMETER_EVERY_S, FULL_SCALE = 0.1, 1023
 NOT_TURNING, TURNING, MAX_SPEED = "Motor Not Turning", "Motor Turning", "Motor Max Speed"
 
 _INPUT, _OUTPUT = struct.Struct("<fd"), struct.Struct("<fdI")
@@ -127,7 +127,7 @@ class MotorSketch:
             self._button, self._button_due_at = self._controls.button, now + BUTTON_EVERY_S
             device.publish("button", bytes((self._button,)))
         if now >= self._turn_at:
-            self._turn_at += 1.0 / POTENTIOMETER_HZ
+            self._turn_at = max(self._turn_at + POTENTIOMETER_EVERY_S, now - POTENTIOMETER_EVERY_S)
             value = round(self._controls.potentiometer * FULL_SCALE)
             device.publish("potentiometer", struct.pack("<H", value))
         if now >= self._next_at or self._floods:

@@ -356,6 +356,25 @@ def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
     assert "  _new_type new_;" in header("odd", "Odd", [text]).splitlines()
 
 
+MACROS = """
+#include <stdlib.h>
+// As in Arduino.h.
+#define max(a, b) ((a) > (b) ? (a) : (b))
+#define degrees(rad) ((rad) * 57.3)
+#include "odd/Odd.h"
+int main() { return odd::Odd().max_length; }
+"""
+
+
+def test_field_may_have_the_name_of_a_macro_of_arduino(tmp_path: pathlib.Path) -> None:
+    kinds = (Field("bool", True, None, "max"), Field("string", False, None, "degrees"))
+    text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (), kinds)])
+    make_headers.write({WIRE_PATH: WIRE_HEADER, "odd/Odd.h": text}, tmp_path)
+    (tmp_path / "program.cpp").write_text(MACROS)
+    command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-I.", *LIBRARIES]
+    subprocess.check_call([*command, "program.cpp"], cwd=str(tmp_path))
+
+
 def test_text_constants_are_functions() -> None:
     constant = Constant("string", "GREETING", 'say "hi" \\ # all of it')
     text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (constant,), ())])

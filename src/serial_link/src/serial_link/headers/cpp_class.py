@@ -177,16 +177,17 @@ def _members(field: Field) -> Iterator[str]:
 
 
 def _constructor(one: CppClass) -> Iterator[str]:
+    # Braces: a field may have the name of a macro of Arduino.h with parentheses, such as max(a, b).
     initial = []
     for field in one.fields:
         name = member(field.name)
         if field.is_array and field.length is None:
-            counts = [f"{field.name}_length(0)", f"{field.name}_room(0)"]
-            initial += [*counts, f"st_{field.name}()", f"{name}(NULL)"]
+            counts = [f"{field.name}_length{{0}}", f"{field.name}_room{{0}}"]
+            initial += [*counts, f"st_{field.name}{{}}", f"{name}{{NULL}}"]
         elif field.base == "string" and not field.is_array:
-            initial.append(f'{name}("")')
+            initial.append(f'{name}{{""}}')
         else:
-            initial.append(f"{name}()")
+            initial.append(f"{name}{{}}")
     yield f"  {one.name}()" + (" : " + ", ".join(initial) if initial else "") + " {}"
 
 

@@ -117,6 +117,19 @@ def test_crashed_simulator_leaves_no_link(simulator: pathlib.Path, tmp_path: pat
     assert entries(tmp_path) == []
 
 
+def test_command_after_a_crash_of_the_simulator_leaves_no_link(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    board = AvrBoard(simulator, pathlib.Path("crash"), str(tmp_path / "board"))
+    board.start()
+    board.reset()
+    wait_until(lambda: not board.is_running, lambda: "it runs")
+    with pytest.raises(BrokenPipeError):
+        board.reset()
+    board.close()
+    assert entries(tmp_path) == []
+
+
 def test_failed_start_of_simulator_is_reported(tmp_path: pathlib.Path) -> None:
     board = AvrBoard(pathlib.Path("/bin/false"), pathlib.Path("run"), str(tmp_path / "board"))
     with pytest.raises(OSError, match="board cannot be created: see the simulator's output"):

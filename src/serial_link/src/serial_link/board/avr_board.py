@@ -1,5 +1,6 @@
 """Simulation of an Arduino Uno: a compiled sketch on an ATmega328P in simavr, in real time."""
 
+import contextlib
 import os
 import pathlib
 import select
@@ -204,7 +205,8 @@ class AvrBoard:
         if process is None:
             return
         assert process.stdin is not None
-        process.stdin.close()
+        with contextlib.suppress(BrokenPipeError):  # after a command that it did not read
+            process.stdin.close()
         try:
             process.wait(_END_S)
         except subprocess.TimeoutExpired:

@@ -26,3 +26,17 @@ def test_end_during_the_build_is_no_failure_and_leaves_nothing(
     node._start(0.0)
     assert not abort.called
     assert board.close.called is not fails
+
+
+def test_node_ends_with_its_simulator(monkeypatch: "pytest.MonkeyPatch") -> None:
+    abort, board = mock.Mock(), mock.Mock(is_running=True)
+    monkeypatch.setattr(avr_board, "abort", abort)
+    node = AvrBoardNode(mock.Mock())
+    monkeypatch.setattr(node, "_build", lambda: board)
+    for elapsed in (0.0, 1.0):
+        node._start(elapsed)
+    assert board.start.call_count == 1 and not abort.called
+    board.is_running = False
+    node._start(2.0)
+    abort.assert_called_once_with("the simulator has ended")
+    node._end()

@@ -6,6 +6,7 @@ import pathlib
 import socket
 import threading
 import time
+from types import SimpleNamespace
 from typing import Any, Iterator, List, Optional, Sequence
 
 import pytest
@@ -20,22 +21,34 @@ from serial_link.hardware.serial_port import SerialPort
 from serial_link.hardware.tcp_port import TcpServer
 from serial_link.hardware.tcp_slots import parse_slots
 from serial_link.host.counters import Counters
-from serial_link.host.sync_monitor import OVERDUE_S
+from serial_link.host.sync_monitor import OVERDUE_S, QUIET_S
 from serial_link.host.sync_states import ASKED, OPENED, TOPIC
 from serial_link.link import board_link
-from serial_link.link.events import LogLine, Message, Restarted, Synced, Topics
+from serial_link.link.events import (
+    LogLine,
+    Message,
+    ParameterRequest,
+    Restarted,
+    Synced,
+    Topics,
+)
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.payloads import (
     INFO,
     LOG,
+    PARAMETER,
     PUBLISHER,
     SUBSCRIBER,
     TIME,
     ParameterValues,
+    TopicInfo,
     encode_log,
+    encode_name,
     encode_time,
+    encode_topic,
 )
+from serial_link.negotiation.topic_table import SETTLED_S
 
 BAUD = 115200
 
@@ -210,6 +223,14 @@ def test_unknown_topics_are_requested_and_restart_reported_only_when_lost(
     rig.fetch_until(Synced)
 
 
+def test_board_that_was_reset_boots_for_its_present_boot_time(rig: Rig) -> None:
+    rig.board.start()
+    wait_until(lambda: rig.board.device is not None, lambda: "it does not start")
+    rig.board.boot_s = TIMEOUT_S
+    rig.board.reset()
+    wait_until(lambda: rig.board.device is None, lambda: "it does not boot")
+
+
 def test_board_that_logs_in_its_loop_is_found_again_after_a_reset(rig: Rig) -> None:
     rig.start()
     rig.fetch_until(Synced)
@@ -252,6 +273,18 @@ def test_malformed_announcement_requires_another_round(rig: Rig) -> None:
     assert rig.link._topics.end_round(9.0) is False
 
 
+def test_board_on_a_slow_line_has_time_for_its_answer_and_for_each_announcement(
+    tmp_path: pathlib.Path,
+) -> None:
+    link = BoardLink(SerialPort(str(tmp_path / "board"), 2400), Counters(), lambda: (0, 0))
+    link._topics.begin_round(1.0)
+    info = TopicInfo(125, "speed", "std_msgs/Empty", "d" * 32, 512)
+    link._receive_bytes(1.0, encode(PUBLISHER, encode_topic(info)))
+    # An announcement takes half a second on the line.
+    assert link._topics.end_round(1.0 + SETTLED_S + 0.5) is None
+    assert link._sync.patience > QUIET_S + 0.5
+
+
 def test_time_to_answer_starts_when_the_port_is_opened(
     rig: Rig, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
@@ -270,6 +303,23 @@ def test_longer_messages_than_those_of_the_previous_board_are_accepted(rig: Rig)
     text = 100 * "x"
     rig.link._receive_bytes(1.0, encode(LOG, encode_log(INFO, text)))
     assert rig.link.inbox.get(0.0) == LogLine(INFO, text)
+
+
+def test_parameter_request_that_arrived_during_a_pause_of_the_host_is_not_pending(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    now, data = 100.0, b""
+    monkeypatch.setattr(board_link, "time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(rig.link._port, "read", lambda timeout: data)
+    rig.link._is_open = True
+    rig.link._read()
+    now, data = 102.0, encode(PARAMETER, encode_name("gain"))
+    is_pending = []
+    for _ in "ab":
+        rig.link._read()
+        number = rig.fetch_until(ParameterRequest).number
+        is_pending.append(rig.link.parameter_requests.is_pending(now, number))
+    assert is_pending == [False, True]
 
 
 def test_simultaneous_time_requests_get_one_answer(rig: Rig) -> None:

@@ -135,6 +135,19 @@ def test_stuck_port_is_distinguished_from_a_lost_one(
     assert rig.writer.write_now(b"one")  # no lock is held
 
 
+def test_queued_frame_that_a_stuck_port_refuses_is_counted_and_the_next_one_sent(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    caplog.set_level(logging.WARNING, "rosout")
+    rig.port.failure = PortStuck("no room")
+    rig.writer.queue.put(1, b"refused")
+    wait_until(lambda: rig.counters.to_dict() == {STUCK: 1}, lambda: "it is not counted")
+    rig.port.failure = None
+    rig.writer.queue.put(1, b"next")
+    wait_until(lambda: rig.port.written == [b"next"], lambda: f"{rig.port.written}")
+    assert "no room" in caplog.text
+
+
 def test_frame_does_not_overtake_a_queued_one() -> None:
     writer = FrameWriter(FakePort(), Counters(), ThrottledLog(0.0))  # type: ignore[arg-type]
     writer.open()

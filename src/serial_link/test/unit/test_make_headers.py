@@ -298,6 +298,9 @@ int main() {
   std_msgs::Float64MultiArray it;
   int length = fread(in, 1, sizeof in, stdin);
   if (it.deserialize(in) != length || sizeof it.st_data != 8) return 1;
+  double *room = it.data;
+  it.deserialize(in);
+  if (it.data != room) return 2;  // or the memory of a board would soon be full
   fwrite(it.data, 8, it.data_length, stdout);
   return 0;
 }
@@ -352,8 +355,11 @@ def test_services_of_same_name_in_two_packages_coexist(tmp_path: pathlib.Path) -
 
 
 def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
-    text = CppClass("Odd", "odd/Odd", "0", (), (Field("bool", False, None, "new"),))
-    assert "  _new_type new_;" in header("odd", "Odd", [text]).splitlines()
+    kinds = ((False, None, "new"), (True, 3, "this"), (True, None, "class"))
+    text = CppClass("Odd", "odd/Odd", "0", (), tuple(Field("bool", *kind) for kind in kinds))
+    lines = header("odd", "Odd", [text]).splitlines()
+    assert "  _new_type new_;" in lines and "  _this_type this_[3];" in lines
+    assert "  _class_type *class_;" in lines
 
 
 MACROS = """

@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import termios
 from typing import Iterator, Tuple
 
 import pytest
@@ -225,3 +226,6 @@ def test_native_usb_port_has_no_baud_rate_once_it_is_open(
     monkeypatch.setattr(serial_port, "has_line", lambda name: True)
     port.open(0.0)  # another board has the name now
     assert port.baud == 115200
+    terminal = os.open(port.name, os.O_RDWR | os.O_NOCTTY)
+    assert termios.tcgetattr(terminal)[5] == termios.B115200
+    os.close(terminal)

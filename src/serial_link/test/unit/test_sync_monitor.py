@@ -81,6 +81,16 @@ def test_board_that_does_not_answer_is_asked_once_in_eleven_seconds_and_probed_e
     assert monitor.state == SYNCED
 
 
+def test_board_that_never_answers_is_asked_every_eleven_seconds() -> None:
+    monitor, asked_at = SyncMonitor(), []
+    monitor.handle(0.0, OPENED)
+    for _ in range(40):
+        now = monitor.next_due()
+        if ASK in monitor.poll(now):
+            asked_at.append(now)
+    assert asked_at[:3] == pytest.approx([OVERDUE_S, 2.0 * OVERDUE_S, 3.0 * OVERDUE_S])
+
+
 def test_slow_sketch_buffer_keeps_room_for_messages() -> None:
     monitor = SyncMonitor()
     actions = monitor.handle(0.0, OPENED) + run(monitor, 0.0, 5.0)

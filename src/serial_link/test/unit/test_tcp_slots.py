@@ -78,6 +78,13 @@ def test_board_that_was_reset_gets_its_slot_when_its_old_connection_is_silent() 
     assert connect(slots, A, SAME_BOARD_S) == "left"
 
 
+def test_board_that_was_reset_before_its_first_frame_waits_no_longer() -> None:
+    slots = parse_slots("")
+    connect(slots, A, is_board=False)
+    assert connect(slots, A, 0.9 * SAME_BOARD_S) is None
+    assert connect(slots, A, SAME_BOARD_S) == ""
+
+
 def test_only_slot_is_for_any_board_and_an_other_address_waits_longer() -> None:
     slots = parse_slots("")
     assert [slot.name for slot in slots] == [""]

@@ -95,6 +95,17 @@ def test_waiting_ends_as_soon_as_something_has_arrived(tmp_path: pathlib.Path) -
     end.unplug()
 
 
+def test_wait_at_a_port_that_is_not_open_lasts_for_its_timeout(
+    tmp_path: pathlib.Path,
+) -> None:
+    end = PtyTransport(str(tmp_path / "board"))
+    end.plug()
+    begun = time.monotonic()
+    end.wait(0.05)
+    assert time.monotonic() - begun >= 0.05
+    end.unplug()
+
+
 def test_link_that_cannot_be_marked_is_not_left_behind(tmp_path: pathlib.Path) -> None:
     (tmp_path / "board.board").mkdir()  # in the way of the mark
     end = PtyTransport(str(tmp_path / "board"))

@@ -1,0 +1,29 @@
+"""Parameters that a board asks for: the node's own, and those of the master."""
+
+from types import SimpleNamespace
+from typing import Any, List
+from unittest import mock
+
+import pytest
+
+from serial_link.nodes import serial_node
+from serial_link.nodes.serial_node import SerialNode
+from serial_link.serial_parameters import SerialParameters
+
+
+def test_only_an_own_parameter_is_not_read_from_the_master(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    def read(names: List[str]) -> Any:
+        return SimpleNamespace(values={names[0]: f"{names[0]} of the master"})
+
+    client = mock.MagicMock()
+    client.return_value.__enter__.return_value.read = read
+    monkeypatch.setattr(serial_node, "MasterClient", client)
+    around = mock.Mock()
+    around.name = "/serial_node"
+    around.declare_parameters.return_value.values = SerialParameters(baud=115200)
+    node = SerialNode(around)
+    assert node._find_parameter("/serial_node/baud") == 115200
+    for name in ("/serial_node/gain", "/other/baud", "/baud"):
+        assert node._find_parameter(name) == f"{name} of the master"

@@ -1,6 +1,7 @@
 """Services of a board: called or offered by it."""
 
-from typing import Any, Callable, List
+import threading
+from typing import Any, Callable, List, Optional
 
 import pytest
 
@@ -20,6 +21,9 @@ ENDPOINT = Endpoint(
     "std_srvs/SetBool",
     TopicInfo(125, "called", "std_srvs/SetBool", REQUEST, 280),
     TopicInfo(100, "called", "std_srvs/SetBool", RESPONSE, 280),
+)
+OFFERED = ENDPOINT._replace(
+    kind=SERVICE_SERVER, incoming=ENDPOINT.outgoing, outgoing=ENDPOINT.incoming
 )
 
 
@@ -109,6 +113,7 @@ class BoardContext:
 
     def __init__(self) -> None:
         self.on_request: Callable[[], None] = lambda: None
+        self.is_sent = True
 
     def resolve(self, name: str) -> str:
         return "/" + name
@@ -118,17 +123,50 @@ class BoardContext:
 
     def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         self.on_request()
-        return True
+        return self.is_sent
 
 
 def test_call_fails_if_the_board_is_lost_although_an_earlier_one_was_answered() -> None:
     around: Any = BoardContext()
-    endpoint = ENDPOINT._replace(
-        kind=SERVICE_SERVER, incoming=ENDPOINT.outgoing, outgoing=ENDPOINT.incoming
-    )
-    service = OfferedService(around, endpoint, around, Counters(), lambda: 5.0)
+    service = OfferedService(around, OFFERED, around, Counters(), lambda: 5.0)
     around.on_request = lambda: service.receive(encode(SetBoolResponse(True, "on")))
     assert around.call(SetBoolRequest(True)).message == "on"
     around.on_request = lambda: service.on_lost("the board was restarted")
     with pytest.raises(CallError, match="^/called: the board was restarted$"):
         around.call(SetBoolRequest(True))
+
+
+class Responses(threading.Event):
+    """Event of a service that a response arrives; each wait receives the next one, or times out."""
+
+    def __init__(self, service: OfferedService, *texts: str) -> None:
+        super().__init__()
+        self.set()
+        self._service, self._texts = service, list(texts)
+
+    def wait(self, timeout: Optional[float] = None) -> bool:
+        text = "" if self.is_set() else self._texts.pop(0)
+        if text:
+            self._service.receive(encode(SetBoolResponse(True, text)))
+        return self.is_set()
+
+
+def test_late_response_is_not_returned_by_the_next_call() -> None:
+    around: Any = BoardContext()
+    service = OfferedService(around, OFFERED, around, Counters(), lambda: 5.0)
+    service._is_done = Responses(service, "", "late", "own", "", "", "after a lost one")
+    with pytest.raises(CallError, match="has not answered within 5 s"):
+        around.call(SetBoolRequest(True))
+    assert around.call(SetBoolRequest(True)).message == "own"
+    with pytest.raises(CallError, match="has not answered within 5 s"):
+        around.call(SetBoolRequest(True))
+    assert around.call(SetBoolRequest(True)).message == "after a lost one"
+
+
+def test_call_that_cannot_be_sent_does_not_delay_the_next_one() -> None:
+    around: Any = BoardContext()
+    service = OfferedService(around, OFFERED, around, Counters(), lambda: 5.0)
+    around.is_sent = False
+    with pytest.raises(CallError, match="the board has not announced it again"):
+        around.call(SetBoolRequest(True))
+    assert service._is_done.is_set()

@@ -67,6 +67,9 @@ class _Service:
 class OfferedService(_Service):
     """Service offered by the board, which answers one call at a time.
 
+    The protocol does not number responses. So a call after one that has timed out first waits for
+    the late response, at most as long again.
+
     :param scope: creates the service
     :param endpoint: of the board
     :param timeout: returns the timeout of a call [s]
@@ -82,7 +85,9 @@ class OfferedService(_Service):
     ) -> None:
         super().__init__(endpoint, scope.resolve(endpoint.name), link, counters)
         self._timeout = timeout
+        #: Set while no response is outstanding.
         self._is_done = threading.Event()
+        self._is_done.set()
         self._response: Any = None
         self._failure = ""
         scope.create_service(
@@ -103,10 +108,15 @@ class OfferedService(_Service):
         self._is_done.set()
 
     def _call(self, request: Any) -> Any:
-        self._is_done.clear()  # a late response may have set it
-        self._response, self._failure = None, ""
-        self.send(request)
         timeout = self._timeout()
+        self._is_done.wait(timeout)  # for the response of a call that has timed out
+        self._is_done.clear()
+        self._response, self._failure = None, ""
+        try:
+            self.send(request)
+        except CallError:
+            self._is_done.set()
+            raise
         if not self._is_done.wait(timeout):
             raise CallError(f"{self.name}: the board has not answered within {timeout:g} s")
         if self._response is None:

@@ -4,6 +4,7 @@ from unittest import mock
 
 import pytest
 
+from serial_link.board_parameters import AvrParameters
 from serial_link.nodes import avr_board
 from serial_link.nodes.avr_board import AvrBoardNode
 
@@ -40,3 +41,9 @@ def test_node_ends_with_its_simulator(monkeypatch: "pytest.MonkeyPatch") -> None
     node._start(2.0)
     abort.assert_called_once_with("the simulator has ended")
     node._end()
+
+
+@pytest.mark.parametrize("link", ["", "tcp"])
+def test_board_without_a_serial_port_is_rejected(link: str) -> None:
+    with pytest.raises(ValueError, match="link must be a path: this board has only a serial port"):
+        AvrParameters(link=link)

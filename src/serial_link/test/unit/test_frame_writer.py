@@ -110,6 +110,14 @@ def test_frames_wait_while_the_line_is_busy_and_the_newest_replaces_them() -> No
     rig.close()
 
 
+def test_port_without_a_baud_rate_once_it_is_open_is_not_paced() -> None:
+    rig = Rig(baud=300)
+    rig.port.baud = 0
+    rig.writer.open()
+    assert rig.writer.write_now(bytes(30)) and rig.writer.write_now(bytes(30))
+    rig.close()
+
+
 def test_frame_that_the_port_does_not_accept_is_left_to_the_writer_thread(rig: Rig) -> None:
     assert rig.writer.write_now(b"three")
     rig.port.room = 0

@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Log
 
 from serial_link.endpoints import log_lines
 from serial_link.endpoints.log_lines import LogLines
-from serial_link.negotiation.payloads import DEBUG, ERROR, INFO
+from serial_link.negotiation.payloads import DEBUG, ERROR, FATAL, INFO, WARN
 
 
 class FakeScope:
@@ -44,6 +44,23 @@ def test_line_is_published_unchanged_and_printed_without_control_characters(
     first = scope.published[0]
     assert (first.name, first.level) == ("/node/board", Log.ERROR)
     assert first.header.stamp == rospy.Time(12, 500000000)
+
+
+@pytest.mark.parametrize(
+    "level, number, word",
+    [
+        (INFO, Log.INFO, "INFO"),
+        (WARN, Log.WARN, "WARN"),
+        (ERROR, Log.ERROR, "ERROR"),
+        (FATAL, Log.FATAL, "FATAL"),
+    ],
+)
+def test_line_keeps_its_level(
+    scope: Any, level: int, number: int, word: str, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    LogLines(scope, "/node/board").write(level, "text")
+    assert scope.published[0].level == number
+    assert capsys.readouterr().out.startswith(f"[{word}] ")
 
 
 def test_lines_beyond_20_a_second_are_counted_until_the_next_second(

@@ -125,6 +125,16 @@ def test_parameter_request_before_a_restart_is_not_answered(rig: Rig) -> None:
     rig.wait_for_answers("/second")
 
 
+def test_parameter_request_after_a_restart_is_answered_once_the_topics_are_known(rig: Rig) -> None:
+    rig.context.inbox.put_reliable(Topics([], True))
+    rig.context.inbox.put_reliable(Restarted("the board was restarted"))
+    rig.context.request("early")
+    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    assert rig.context.answers == []
+    rig.context.inbox.put_reliable(Topics([], True))
+    rig.wait_for_answers("/early")
+
+
 def test_parameter_whose_next_request_arrives_first_is_not_answered(rig: Rig) -> None:
     rig.context.inbox.put_reliable(Topics([], True))
     rig.context.request("slow")

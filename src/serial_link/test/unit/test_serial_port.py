@@ -133,9 +133,11 @@ def test_it_has_the_port_for_itself(
         fcntl.flock(earlier, fcntl.LOCK_EX | fcntl.LOCK_NB)
     # Programs that ignore locks cannot open it either, unless run by the superuser.
     assert (fcntl.ioctl(earlier, _TIOCGEXCL, bytes(4)) == bytes(4)) is is_pseudo
-    os.close(earlier)
     with pytest.raises(PortUnavailable, match="in use by a program of another user"):
         SerialPort(port.name, 57600).open(0.0)
+    port.close()
+    assert fcntl.ioctl(earlier, _TIOCGEXCL, bytes(4)) == bytes(4)
+    os.close(earlier)
 
 
 def test_port_of_simulated_board_is_free_after_node_was_killed() -> None:

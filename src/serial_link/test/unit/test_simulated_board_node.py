@@ -1,10 +1,14 @@
 """Parameters of the simulated board that take effect at run time."""
 
+import time
 from types import SimpleNamespace
 from typing import Any
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from serial_link.board_parameters import BoardParameters
+from serial_link.framing.decoder import Decoder
+from serial_link.framing.frames import encode
+from serial_link.negotiation.payloads import PUBLISHER, TIME, decode_topic
 from serial_link.nodes.simulated_board import SimulatedBoardNode
 
 
@@ -43,3 +47,17 @@ def test_changed_parameters_reach_the_board_its_controls_and_motor() -> None:
     assert board._board.faults == (0.1, True, False)
     assert board._controls.plant == PlantSettings(6.0, 0.1, 9.0, 0.2)
     assert (board._controls.button, board._controls.potentiometer) == (True, 0.7)
+
+
+def test_board_starts_with_the_present_buffer_size_and_rate() -> None:
+    board = SimulatedBoardNode(FakeNode())  # type: ignore[arg-type]
+    board._settings.values = BoardParameters(buffer_size=200, rate=20.0)
+    begun = time.monotonic()
+    device = board._make_device(begun)
+    device.receive(begun, encode(PUBLISHER, b""))
+    announced = [frame for frame in Decoder().feed(device.output()) if frame.topic_id != TIME]
+    assert {decode_topic(frame.payload).buffer_size for frame in announced} == {200}
+    for step in range(1, 1001):
+        device.loop(begun + 0.001 * step)
+    speeds = [frame for frame in Decoder().feed(device.output()) if frame.topic_id == 125]
+    assert 19 <= len(speeds) <= 21

@@ -103,7 +103,7 @@ def owner_of_master(uri: str, pid: int) -> Optional[str]:
 
 
 def check_launch_arguments() -> List[Finding]:
-    """Report arguments that a running roslaunch ignores because no launch file declares them."""
+    """Report arguments that a roslaunch of this master ignores: no launch file declares them."""
     findings = []
     for pid, words in _processes():
         names = [os.path.basename(word) for word in words[:2]]
@@ -111,10 +111,19 @@ def check_launch_arguments() -> List[Finding]:
             continue
         given = words[names.index("roslaunch") + 1 :]
         with contextlib.suppress(OSError, ElementTree.ParseError, rospkg.ResourceNotFound):
+            if _master_of(pid) != os.environ.get("ROS_MASTER_URI", ""):
+                continue
             for problem in launch_arguments.ignored(given, os.readlink(f"/proc/{pid}/cwd")):
                 subject = f"roslaunch (process {pid})"
                 findings.append(fault(subject, problem, "correct or remove it"))
     return findings
+
+
+def _master_of(pid: int) -> str:
+    """Return the ``ROS_MASTER_URI`` of a process; empty if it is not set."""
+    with open(f"/proc/{pid}/environ", encoding="utf-8", errors="replace") as file:
+        entries = [entry.partition("=") for entry in file.read().split("\0")]
+    return next((value for name, _, value in entries if name == "ROS_MASTER_URI"), "")
 
 
 def _processes() -> Iterator[Tuple[int, List[str]]]:

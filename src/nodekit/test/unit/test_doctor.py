@@ -3,6 +3,8 @@
 import dataclasses
 import os
 import socket
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
@@ -295,6 +297,37 @@ def test_report_has_faults_last_and_their_number() -> None:
 )
 def test_loopback_in_the_kernels_table(address: str, expected: bool) -> None:
     assert machine_checks._is_loopback(address) is expected
+
+
+@pytest.mark.parametrize(
+    "uri, words, is_reported",
+    [
+        (None, [], True),
+        ("http://localhost:11311/", [], True),
+        ("http://localhost:11312", [], False),
+        ("http://localhost:11312", ["__master:=http://localhost:11311"], True),
+        (None, ["__master:=http://localhost:11312"], False),
+    ],
+)
+def test_ignored_arguments_are_those_of_a_roslaunch_with_the_same_master(
+    tmp_path: Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    uri: Optional[str],
+    words: List[str],
+    is_reported: bool,
+) -> None:
+    monkeypatch.delenv("ROS_MASTER_URI", raising=False)
+    (tmp_path / "roslaunch").write_text("print('ready', flush=True); input()")
+    (tmp_path / "some.launch").write_text('<launch><arg name="type"/></launch>')
+    command = [sys.executable, "roslaunch", "some.launch", "typo:=1", *words]
+    environ = {"ROS_MASTER_URI": uri} if uri else {}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=str(tmp_path), env=environ, **pipes) as process:
+        assert process.stdout is not None and process.stdout.readline() == b"ready\n"
+        found = [one for one in machine_checks.check_launch_arguments() if "typo" in one.problem]
+        process.communicate(b"\n")
+    mine = [one for one in found if f"process {process.pid}" in one.subject]
+    assert bool(mine) == is_reported
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 from urllib.parse import urlsplit
 from xml.etree import ElementTree
 
+import rosgraph
 import rosgraph.network
 import rospkg
 
@@ -105,13 +106,14 @@ def owner_of_master(uri: str, pid: int) -> Optional[str]:
 def check_launch_arguments() -> List[Finding]:
     """Report arguments that a roslaunch of this master ignores: no launch file declares them."""
     findings = []
+    unreadable = (OSError, ValueError, ElementTree.ParseError, rospkg.ResourceNotFound)
     for pid, words in _processes():
         names = [os.path.basename(word) for word in words[:2]]
         if "roslaunch" not in names:
             continue
         given = words[names.index("roslaunch") + 1 :]
-        with contextlib.suppress(OSError, ElementTree.ParseError, rospkg.ResourceNotFound):
-            if _master_of(pid) != os.environ.get("ROS_MASTER_URI", ""):
+        with contextlib.suppress(*unreadable):
+            if _master_of(pid, words) != rosgraph.get_master_uri().rstrip("/"):
                 continue
             for problem in launch_arguments.ignored(given, os.readlink(f"/proc/{pid}/cwd")):
                 subject = f"roslaunch (process {pid})"
@@ -119,11 +121,15 @@ def check_launch_arguments() -> List[Finding]:
     return findings
 
 
-def _master_of(pid: int) -> str:
-    """Return the ``ROS_MASTER_URI`` of a process; empty if it is not set."""
+def _master_of(pid: int, words: List[str]) -> str:
+    """Return the URI of the master that a process uses.
+
+    :param words: its command line
+    """
     with open(f"/proc/{pid}/environ", encoding="utf-8", errors="replace") as file:
         entries = [entry.partition("=") for entry in file.read().split("\0")]
-    return next((value for name, _, value in entries if name == "ROS_MASTER_URI"), "")
+    environ = {name: value for name, _, value in entries}
+    return str(rosgraph.get_master_uri(environ, words)).rstrip("/")
 
 
 def _processes() -> Iterator[Tuple[int, List[str]]]:

@@ -169,9 +169,10 @@ class Participant:
                 if message is None:
                     break
                 queue.add(message)
-            receive(queue.pop_batch(_BATCH_BYTES))
-            if queue:
+            batch = queue.pop_batch(_BATCH_BYTES)
+            if queue:  # before the call, which may raise
                 self.messages.call_again(waitable)
+            receive(batch)
 
         def destroy() -> None:
             _uncount(self._subscribed, topic)

@@ -42,10 +42,8 @@ def check_course() -> None:
         table = output("rosrun", "nodekit", "describe", "/signal_generator")
         is_described = re.search(r"^\s*frequency\b.*\b12\b", table, re.MULTILINE) is not None
         require(is_described, "the node describes itself")
-        with running(
-            *("rosrun", "topic_scope", "scope.py", "--port", SCOPE[-4:], "/signal/signal_y"),
-            log="scope.log",
-        ):
+        scope = ("rosrun", "topic_scope", "scope.py", "--port", SCOPE[-4:], "/signal/signal_y")
+        with running(*scope, log="scope.log"):
             wait_for("the oscilloscope's page is served", lambda: bool(fetched(SCOPE)))
             names = re.findall(r'(?:src|href)="(/[^"]+)"', fetched(SCOPE))
             served = any("dygraph" in name for name in names) and all(

@@ -115,6 +115,11 @@ def test_judged_controller_has_all_gains_and_the_limits_of_its_output(
     [words] = find.call_args[0]
     assert words[:2] == ["pid_control", "controller.py"]
     assert dict(word[1:].split(":=") for word in words[2:]) == {
-        **{"mode": "PID", "kp": "0.5", "ki": "0.25", "kd": "0.125", "filter_time": "0.01"},
-        **{"output_min": "-0.5", "output_max": "0.75"},
+        "mode": "PID",
+        "kp": "0.5",
+        "ki": "0.25",
+        "kd": "0.125",
+        "filter_time": "0.01",
+        "output_min": "-0.5",
+        "output_max": "0.75",
     }

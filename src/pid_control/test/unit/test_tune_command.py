@@ -2,7 +2,7 @@
 
 import pathlib
 import sys
-from typing import List
+from typing import Any, Callable, Dict, List
 
 import pytest
 import yaml
@@ -38,17 +38,36 @@ def test_tune_invalid_arguments_name_the_problem(
     assert [path.name for path in tmp_path.iterdir()] == ["bad.yaml"]
 
 
-def test_tune_writes_gains_with_the_limits_of_the_output(
+@pytest.fixture
+def written_gains(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> "Callable[..., Dict[str, Any]]":
+    """Return a function that tunes with some options, and returns the written gains."""
+
+    def tuned(*options: str) -> Dict[str, Any]:
+        model, gains = tmp_path / "model.yaml", tmp_path / "gains.yaml"
+        model.write_text("{system_param_K: 10.0, system_param_T: 0.2}")
+        monkeypatch.setattr(sys, "argv", ["tune", str(model), "--gains", str(gains), *options])
+        monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
+        tune.main()
+        return dict(yaml.safe_load(gains.read_text()))
+
+    return tuned
+
+
+def test_tune_writes_gains_with_the_limits_of_the_output(
+    written_gains: "Callable[..., Dict[str, Any]]",
 ) -> None:
-    model, gains = tmp_path / "model.yaml", tmp_path / "gains.yaml"
-    model.write_text("{system_param_K: 10.0, system_param_T: 0.2}")
-    words = [str(model), "--gains", str(gains), "--least", "-0.5", "--largest", "0.8"]
-    monkeypatch.setattr(sys, "argv", ["tune", *words])
-    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
-    tune.main()
-    found = yaml.safe_load(gains.read_text())
+    found = written_gains("--least", "-0.5", "--largest", "0.8")
     assert (found["output_min"], found["output_max"]) == (-0.5, 0.8)
+
+
+def test_tune_uses_the_period_and_the_wanted_time_constant(
+    written_gains: "Callable[..., Dict[str, Any]]",
+) -> None:
+    found = written_gains("--period", "0.1", "--wanted", "0.35")
+    # The mean delay of the period is 0.05 s.
+    assert found["kp"] == pytest.approx(0.2 / (10.0 * (0.35 + 0.05)))
 
 
 def test_tune_method_without_gains_is_refused(
@@ -59,16 +78,3 @@ def test_tune_method_without_gains_is_refused(
     with pytest.raises(SystemExit) as end:
         tune.main()
     assert end.value.code == 2 and "--method: only valid with --gains" in capsys.readouterr().err
-
-
-def test_tune_uses_the_period_and_the_wanted_time_constant(
-    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
-) -> None:
-    model, gains = tmp_path / "model.yaml", tmp_path / "gains.yaml"
-    model.write_text("{system_param_K: 10.0, system_param_T: 0.2}")
-    words = [str(model), "--gains", str(gains), "--period", "0.1", "--wanted", "0.35"]
-    monkeypatch.setattr(sys, "argv", ["tune", *words])
-    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
-    tune.main()
-    # The mean delay of the period is 0.05 s.
-    assert yaml.safe_load(gains.read_text())["kp"] == pytest.approx(0.2 / (10.0 * (0.35 + 0.05)))

@@ -19,8 +19,21 @@ _BUILT = ("build", "devel", "install", "logs")
 _NEEDS = ("depend", "build_depend", "exec_depend", "run_depend")
 #: Words of a heading of a roster's columns.
 _HEADINGS = (
-    *("archive", "entry", "file", "folder", "group", "id", "login", "submission"),
-    *("full name", "name", "student", "student name", "students", "user", "username"),
+    "archive",
+    "entry",
+    "file",
+    "folder",
+    "full name",
+    "group",
+    "id",
+    "login",
+    "name",
+    "student",
+    "student name",
+    "students",
+    "submission",
+    "user",
+    "username",
 )
 
 

@@ -4,6 +4,7 @@
 import random
 import socket
 import unittest
+from contextlib import closing
 from typing import Any, Dict, List, Tuple
 from urllib.parse import urlparse
 
@@ -41,9 +42,22 @@ class Fuzz(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.graph = Graph()
         wait_until(lambda: cls.graph.initialised(*STREAMS), lambda: str(cls.graph.nodes()))
-        cls.graph.set_parameter("/signal_generator/rate", 50.0)  # a stream of 1 kHz is costly
         cls.uris = {node: rosgraph.Master("/test").lookupNode(node) for node in STREAMS}
         cls.assert_all_speak()
+        cls.slow_down()
+
+    @classmethod
+    def slow_down(cls) -> None:
+        """Set the generator's rate to 50 Hz, as a stream of 1 kHz is costly, and wait for it.
+
+        The master keeps a connection to the node for changes, which is then there for all tests.
+        """
+        cls.graph.set_parameter("/signal_generator/rate", 50.0)
+        with closing(Tap(cls.uris["/signal_generator"], *STREAMS["/signal_generator"])) as tap:
+            wait_until(
+                lambda: abs(tap.read().time_x - tap.read().time_x) > 0.01,
+                lambda: "the signal generator's rate does not change",
+            )
 
     @classmethod
     def assert_all_speak(cls) -> None:

@@ -50,6 +50,9 @@ class HostilePeers(unittest.TestCase):
         wait_until(lambda: cls.graph.initialised(*NODES), lambda: str(cls.graph.nodes()))
         cls.uri = rosgraph.Master("/test").lookupNode(GENERATOR)
         cls.where = address(cls.uri)
+        # Connections of the other nodes, which would count as left behind by the first test.
+        cls.graph.wait_until_heard(GENERATOR, TOPIC, "/process")
+        cls.graph.wait_until_heard(GENERATOR, "/rosout", "/rosout")
         MessageRecorder(TOPIC, signal_msg).wait_for(lambda sample: True)
         Tap(cls.uri, TOPIC, signal_msg).close()
 

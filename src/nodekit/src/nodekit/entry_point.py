@@ -1,5 +1,6 @@
 """Entry point of node scripts: imports only needed parts of rospy, and calls a module's main."""
 
+import atexit
 import contextlib
 import importlib
 import os
@@ -34,16 +35,41 @@ def run_command(name: str) -> None:
 
 
 def end(status: object) -> NoReturn:
-    """End the process with a status that no further signal changes.
+    """End the process with a status that no further signal changes, and no thread that runs on.
 
     Python resets its handlers before it has ended, so that a SIGTERM soon after a SIGINT would kill
-    it; an ignored signal stays ignored. Must be called by the main thread.
+    it; an ignored signal stays ignored. Python before 3.14 may also crash while it clears its
+    modules, if a daemon thread wakes up meanwhile (python/cpython#87135), and rospy leaves several:
+    the process ends after the exit handlers, before that. Must be called by the main thread.
 
     :param status: as for ``sys.exit``
     """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
+    atexit.register(_end_after_exit_handlers, status)
     sys.exit(status)  # type: ignore[arg-type]
+
+
+def _end_after_exit_handlers(status: object) -> NoReturn:
+    """Call the other exit handlers, then end the process.
+
+    The handler that is registered last is called first.
+    """
+    atexit.unregister(_end_after_exit_handlers)
+    with contextlib.suppress(BaseException):  # Python 3.8 raises what it has printed
+        atexit._run_exitfuncs()
+    end_at_once(status)
+
+
+def end_at_once(status: object) -> NoReturn:
+    """End the process without its exit handlers.
+
+    :param status: as for ``sys.exit``, but a text is not printed
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(Exception):  # closed or None
+            stream.flush()
+    os._exit(status & 0xFF if isinstance(status, int) else int(status is not None))
 
 
 def _replace_closed_output() -> None:

@@ -136,6 +136,41 @@ def test_sigterm_after_an_interrupt_during_the_imports_changes_no_status(tmp_pat
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.parametrize(
+    "status, code, errors", [(3, 3, b""), (None, 0, b""), (True, 1, b""), ("why", 1, b"why\n")]
+)
+def test_end_calls_the_exit_handlers_and_clears_no_module(tmp_path, status, code, errors):
+    text = (
+        "import atexit, threading, time\n"
+        "from nodekit.entry_point import end\n"
+        "class Cleared:\n"
+        "    def __del__(self, print=print):\n"
+        "        print('cleared')\n"
+        "held = Cleared()\n"
+        "def main():\n"
+        "    atexit.register(print, 'second', end=' ')\n"
+        "    atexit.register(print, 'first', end=' ')\n"
+        "    threading.Thread(target=time.sleep, args=(60.0,), daemon=True).start()\n"
+        f"    end({status!r})\n"
+    )
+    done = run_main(tmp_path, text, "import atexit; atexit.register(print, 'last', end='')")
+    assert (done.returncode, done.stdout, done.stderr) == (code, b"first second last", errors)
+
+
+def test_an_exit_handler_that_fails_is_printed_and_keeps_the_status(tmp_path):
+    text = (
+        "import atexit\n"
+        "from nodekit.entry_point import end\n"
+        "def main():\n"
+        "    atexit.register(print, 'last')\n"
+        "    atexit.register(divmod, 1, 0)\n"
+        "    end(3)\n"
+    )
+    done = run_main(tmp_path, text)
+    assert (done.returncode, done.stdout) == (3, b"last\n")
+    assert b"ZeroDivisionError" in done.stderr
+
+
 def test_search_for_files_is_imported_when_it_is_needed(tmp_path):
     text = (
         "import roslib.packages, sys\n"

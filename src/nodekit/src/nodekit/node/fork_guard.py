@@ -4,12 +4,11 @@ Otherwise the child would continue in its parent's place, with the parent's conn
 parent's messages, publish in its name, or wait for threads that the child does not have.
 """
 
-import contextlib
 import os
-import sys
 import traceback
 from typing import Any, Callable, NoReturn, Optional
 
+from nodekit.entry_point import end_at_once
 from nodekit.process_context import PROCESS
 
 
@@ -39,16 +38,11 @@ def _end_child(error: Optional[BaseException] = None) -> NoReturn:
     :param error: exception of the function: a SystemExit sets the status; any other is printed,
         and the status is 1
     """
-    status = 0
     if isinstance(error, SystemExit):
-        status = error.code if isinstance(error.code, int) else int(error.code is not None)
-    elif error is not None:
-        status = 1
+        end_at_once(error.code)
+    if error is not None:
         traceback.print_exception(type(error), error, error.__traceback__)
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(Exception):  # closed or None
-            stream.flush()
-    os._exit(status & 0xFF)
+    end_at_once(int(error is not None))
 
 
 def _count_fork() -> None:

@@ -27,6 +27,8 @@ EXTENDED = "extended"
 MARK = f"pytest.mark.{EXTENDED}"
 #: Assumed duration of a rostest file that has not been run yet [s].
 UNKNOWN_S = 10.0
+#: Step that creates the environment in which tests with ROS 2 run.
+ENVIRONMENT = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
 
 
 def python_files(*places: pathlib.Path) -> List[str]:
@@ -209,11 +211,10 @@ def ros2() -> List[Step]:
 
     Tests of ROS 2 recordings need PyPI, but not this environment.
     """
-    environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
-    steps = [environment]
+    steps = [ENVIRONMENT]
     for place in sorted(SOURCES.glob("*/test/ros2")):
         for marked in ("shared_bridge", "not shared_bridge"):
-            step = ros2_step(place, name=marked.replace("_", " "), after=environment.name)
+            step = ros2_step(place, name=marked.replace("_", " "), after=ENVIRONMENT.name)
             step.command.extend(["-m", marked])
             steps.append(step)
     places = sorted(SOURCES.glob("*/test/recordings"))
@@ -239,7 +240,7 @@ def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = 
 
 
 def single(place: pathlib.Path, test: str) -> List[Step]:
-    """Return the step that runs one test file, or one test in it.
+    """Return the step that runs one test file, or one test in it, and what that step needs.
 
     :raises UnknownWord: if it is not a test file
     """
@@ -251,7 +252,7 @@ def single(place: pathlib.Path, test: str) -> List[Step]:
     elif place.suffix == ".test":
         return [rostest_step(folder, place.stem, [place], test)]
     elif folder == "ros2":
-        return [ros2_step(place, test)]
+        return [ENVIRONMENT, ros2_step(place, test, after=ENVIRONMENT.name)]
     elif place.suffix == ".py" and place.name.startswith("test_"):
         return [pytest_step("unit", place.stem, place, test=test)]
     raise UnknownWord(f"'{place}' is not a test file, or no .test file names it")

@@ -1,4 +1,4 @@
-"""Tests of the division of unit tests between the tiers ``unit`` and ``extended``."""
+"""Tests of the steps that a selection of tests consists of."""
 
 import pathlib
 
@@ -27,3 +27,9 @@ def test_marked_unit_tests_belong_to_the_extended_tier_alone(
     assert extended.name == "two, unit" and extended.command[-2:] == ["-m", "extended"]
     assert str(tmp_path / "two" / "test" / "unit" / "test_some.py") in extended.command
     assert tier_plan.extended({"one"}, Times(tmp_path / "times.json")) == []
+
+
+def test_a_single_test_with_ros2_waits_for_the_environment() -> None:
+    environment, test = tier_plan.single(pathlib.Path("a/test/ros2/test_some.py"), "test_one")
+    assert environment.command[0].endswith("ci/ros2")
+    assert (test.tier, test.after) == (environment.tier, environment.name)

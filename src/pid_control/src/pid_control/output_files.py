@@ -24,12 +24,12 @@ def write_file(path: str, text: str) -> None:
     """Write a file atomically.
 
     :param path: the file
-    :param text: its content
+    :param text: its content; names of files that are not UTF-8 are escaped
     :raises OSError: if the file cannot be written
     """
     partial = path + ".part"
     try:
-        with open(partial, "w", encoding="utf-8") as file:
+        with open(partial, "w", encoding="utf-8", errors="backslashreplace") as file:
             file.write(text)
         os.replace(partial, path)
     finally:

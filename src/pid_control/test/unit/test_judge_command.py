@@ -1,5 +1,6 @@
 """Tests of the judge's errors before it starts a process."""
 
+import os
 import pathlib
 import sys
 from typing import Any, List
@@ -8,7 +9,12 @@ from unittest import mock
 import pytest
 
 from pid_control.commands import judge, judge_signals, judging_command
+from pid_control.judging.record import Record
+from pid_control.judging.scenarios import BY_NAME
+from pid_control.verdicts.judgement import Cause, Failure, Judgement
 
+#: What a class run judges in each package.
+NAMED = ["both.launch", "gain:=2"]
 GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
 SIMULATED = """
 <launch>
@@ -80,6 +86,57 @@ def test_judge_invalid_request_names_the_problem(
     assert sorted(tmp_path.iterdir()) == before
 
 
+def test_judge_rejected_words_of_rostest_and_scenarios_in_their_order() -> None:
+    words = ["--gtest_output=xml:a.xml", "x", "__name:=n", "_kp:=1", "__log:=l"]
+    assert judging_command._without_rostest(words) == (["x", "_kp:=1"], "a.xml")
+    assert judging_command._without_rostest(words[1:]) == (words[1:], None)
+    names = judging_command.chosen_scenarios("steps,held,steps", ["held", "rate", "steps"])
+    assert names == ["held", "steps"]
+
+
+def test_judge_picture_marks_the_failed_scenario_and_own_limits_replace_some(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    """The words of the controller are not this process's."""
+    (tmp_path / "own.yaml").write_text("ramp: {tracking_error: 5}\n")
+    judged = mock.Mock()
+    failure = Failure("ramp", "too much", Cause("gains", "tune them"))
+    judged.return_value = (Judgement("failed", [], [failure]), [Record(BY_NAME["ramp"], "ended")])
+    monkeypatch.setattr(judge, "_judge", judged)
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    files = ["--picture", str(tmp_path / "a.svg"), "--limits", str(tmp_path / "own.yaml")]
+    monkeypatch.setattr(sys, "argv", ["judge", *files, "x", "a:=b"])
+    with pytest.raises(SystemExit) as end:
+        judge.main()
+    assert end.value.code == 1 and sys.argv == ["judge"]
+    assert 'fill="#b00020">ramp: a ramp' in (tmp_path / "a.svg").read_text()
+    limits = judged.call_args[0][1]
+    assert limits["ramp"]["tracking_error"] == 5.0 and limits["steps"]["overshoot"] == 25.0
+
+
+def test_class_with_a_name_that_is_not_utf8_is_judged(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    """As from an archive that was made on Windows."""
+    command, output = tmp_path / "judge", tmp_path / "out"
+    for name in ("Anna", os.fsdecode(b"Jos\xe9"), "Zoe"):
+        (tmp_path / "class" / name).mkdir(parents=True)
+        (tmp_path / "class" / name / "package.xml").write_text("")
+        (tmp_path / "class" / name / "controller.py").write_text("")
+    command.write_text("print('judged')")
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    words = ["--class", str(tmp_path / "class"), "--output", str(output)]
+    monkeypatch.setattr(sys, "argv", [str(command), *words])
+    with pytest.raises(SystemExit) as end:
+        judge.main()
+    assert end.value.code == 1
+    names = ["Anna", "Jos\\udce9", "Zoe"]
+    assert [line.partition(":")[0] for line in capsys.readouterr().out.splitlines()] == names
+    rows = (output / "class.csv").read_text("utf-8").splitlines()[1:]
+    assert [row.partition(",")[0] for row in rows] == names
+    assert "<h1>Jos\\udce9</h1>" in (output / "Jos_.html").read_text("utf-8")
+
+
 @pytest.mark.parametrize(
     "command, words",
     [
@@ -97,13 +154,17 @@ def test_class_gives_each_judgement_its_options(
 ) -> None:
     limits = tmp_path / "limits.yaml"
     limits.write_text("")
+    monkeypatch.chdir(tmp_path)
     given = ["--time-limit", "60.0", "--limits", str(limits), *words]
+    typed = ["--time-limit", "60.0", "--limits", "limits.yaml", *words]
     batch = mock.Mock()
     batch.return_value.run.return_value = 0
     monkeypatch.setattr("pid_control.programs.batch.Batch", batch)
-    monkeypatch.setattr(sys, "argv", ["judge", *given, "--class", str(tmp_path)])
+    monkeypatch.setattr(sys, "argv", ["judge", *typed, "--class", str(tmp_path), *NAMED])
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     with pytest.raises(SystemExit) as end:
         command.main()
-    _, _, options, _, time_limit, _ = batch.call_args[0]
+    _, finder, options, _, time_limit, _ = batch.call_args[0]
     assert (end.value.code, options, time_limit) == (0, given, 60.0)
+    (tmp_path / NAMED[0]).write_text("")
+    assert finder.words(str(tmp_path), None)[1:] == NAMED[command is judge :]

@@ -69,6 +69,7 @@ def test_each_entry_of_a_class_has_a_submission(tmp_path: pathlib.Path) -> None:
     make_tar(class_ / "dora.tar.gz", PACKAGE)
     (class_ / "emil_123_assignsubmission").mkdir()
     make_zip(class_ / "emil_123_assignsubmission" / "work.zip", PACKAGE)
+    make_zip(class_ / "emil_123_assignsubmission" / "x.zip", {"x/package.xml": ""})
     fill(class_, {"finn/controller.py": "", "gina/notes.txt": "", "hugo.pdf": "", ".hidden": ""})
     (class_ / "ida.zip").write_bytes(b"broken")
     lines = dict(found(tmp_path))
@@ -78,6 +79,7 @@ def test_each_entry_of_a_class_has_a_submission(tmp_path: pathlib.Path) -> None:
         "cleo.zip/cleo-main",
         "dora.tar.gz",
         "emil_123_assignsubmission/work.zip",
+        "emil_123_assignsubmission/x.zip/x",
     }
     assert {name: why for name, why in lines.items() if why} == {
         "finn": "it has no package.xml: not a ROS package; controller.py can be judged by its path",
@@ -162,8 +164,25 @@ def test_unpack_leaves_links_out(tmp_path: pathlib.Path) -> None:
             member.type, member.linkname = kind, "/etc/passwd"
             archive.addfile(member)
         archive.addfile(tarfile.TarInfo("file"), io.BytesIO())
-    unpack(str(path), str(tmp_path / "target"))
-    assert os.listdir(str(tmp_path / "target")) == ["file"]
+    with zipfile.ZipFile(str(tmp_path / "x.zip"), "w") as zipped:
+        link = zipfile.ZipInfo("link")
+        link.external_attr = 0o120777 << 16
+        zipped.writestr(link, "/etc/passwd")
+        zipped.writestr("file", "")
+    for name in ("x.tar", "x.zip"):
+        unpack(str(tmp_path / name), str(tmp_path / "target" / name))
+        assert os.listdir(str(tmp_path / "target" / name)) == ["file"]
+
+
+def test_unpack_keeps_programs_executable(tmp_path: pathlib.Path) -> None:
+    with tarfile.open(str(tmp_path / "x.tar"), "w") as packed:
+        for name, mode in (("program", 0o755), ("file", 0o444)):
+            member = tarfile.TarInfo(name)
+            member.mode = mode
+            packed.addfile(member, io.BytesIO())
+    unpack(str(tmp_path / "x.tar"), str(tmp_path / "target"))
+    modes = {path.name: path.stat().st_mode & 0o777 for path in (tmp_path / "target").iterdir()}
+    assert modes == {"program": 0o711, "file": 0o600}
 
 
 @pytest.mark.parametrize("ending", ["zip", "tar.xz"])
@@ -210,6 +229,7 @@ def test_unpack_path_with_a_zero_byte_is_refused(tmp_path: pathlib.Path) -> None
         packed.addfile(member, io.BytesIO())
     with pytest.raises(ArchiveError, match="it cannot be unpacked: embedded null byte"):
         unpack(str(path), str(tmp_path / "target"))
+    assert not (tmp_path / "target").exists()
 
 
 @pytest.mark.parametrize("make", [make_zip, make_tar])
@@ -258,7 +278,7 @@ def test_unpack_large_archives_are_refused(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     many = make_zip(tmp_path / "many.zip", {str(index): "" for index in range(4)})
-    large = make_zip(tmp_path / "large.zip", {"zeros": "0" * 5000})
+    large = make_zip(tmp_path / "large.zip", {"a": "0" * 3000, "b": "0" * 3000})
     monkeypatch.setattr(archives, "_MOST", 3)
     monkeypatch.setattr(archives, "_LARGEST", 4999)
     with pytest.raises(ArchiveError, match="too many files"):
@@ -291,6 +311,9 @@ def test_roster_names_the_student_of_a_file_that_is_not_unpacked(tmp_path: pathl
     there = submissions_in(str(tmp_path / "class"), finder, str(tmp_path / "scratch"))
     roster = {"anna": "Anna", "ben": "Ben", "cleo.pdf": "Cleo"}
     assert [name_in(roster, one) for one in there] == ["anna", "", "cleo.pdf"]
+    make_zip(tmp_path / "class" / "ben.v2" / "pid.zip", PACKAGE)
+    there = submissions_in(str(tmp_path / "class"), finder, str(tmp_path / "again"))
+    assert [one.entry for one in there] == ["anna.rar", "ben.v2", "cleo.pdf"]
     assert [one.entry for one in missing_in(there, roster)] == ["ben"]
 
 
@@ -308,6 +331,7 @@ def test_roster_heading_is_skipped(tmp_path: pathlib.Path, heading: str, names: 
     [
         ("a\n", "line 1: must be a folder or archive, and a student"),
         ("a,Anna\na.zip,Ben\n", "line 2: a.zip appears twice"),
+        ('"' + 200_000 * "x", r"it is not CSV: field larger than field limit \(131072\)"),
     ],
 )
 def test_roster_invalid_row_is_refused(tmp_path: pathlib.Path, text: str, says: str) -> None:

@@ -1,6 +1,7 @@
 """Base of the commands judge and judge_signals: options, limits, batch runs, and reports."""
 
 import argparse
+import io
 import os
 import sys
 from typing import Callable, Dict, List, NoReturn, Optional, Sequence, Tuple
@@ -134,6 +135,10 @@ class JudgingCommand:
         del sys.argv[1:]  # rospy must not apply a student's remappings to this process
         arguments = self._parser.parse_args(words)
         exit_on_signals()
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                # A name of a file may be no UTF-8, as from an archive made on Windows.
+                stream.reconfigure(errors="backslashreplace")
         try:
             limits = self._limits(arguments.limits)
             for path in (arguments.picture, arguments.csv):

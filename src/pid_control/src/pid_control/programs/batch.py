@@ -14,6 +14,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import rospkg
 
+from pid_control.output_files import write_file
 from pid_control.programs.program_finder import NothingToJudge, SubjectFinder
 from pid_control.programs.submissions import (
     Submission,
@@ -178,10 +179,7 @@ class Batch:
         self._put("class.html", as_html(self._rows, self._finder.subject, self._files))
 
     def _put(self, name: str, content: str) -> None:
-        path = os.path.join(self._output, name)
-        with open(path + ".part", "w", encoding="utf-8") as file:
-            file.write(content)
-        os.replace(path + ".part", path)
+        write_file(os.path.join(self._output, name), content)
 
 
 def _needs_build(package: str) -> bool:

@@ -189,20 +189,24 @@ def read_roster(path: str) -> Dict[str, str]:
     """Return the student of each folder or archive; skip a heading.
 
     :param path: CSV file; each row has the name of a folder or archive, and the student
-    :raises RosterError: if a row has no student, or an entry has two
+    :raises RosterError: if it is not CSV, a row has no student, or an entry has two
     """
     found: Dict[str, str] = {}
     with open(path, encoding="utf-8-sig", newline="") as file:
-        for number, row in enumerate(csv.reader(file, skipinitialspace=True), start=1):
-            cells = [cell.strip() for cell in row]
-            is_heading = number == 1 and all(cell.lower() in _HEADINGS for cell in cells[:2])
-            if not any(cells) or is_heading:
-                continue
-            if len(cells) < 2 or not cells[0] or not cells[1]:
-                raise RosterError(f"line {number}: must be a folder or archive, and a student")
-            if stem_of(cells[0]) in found:
-                raise RosterError(f"line {number}: {cells[0]} appears twice")
-            found[stem_of(cells[0])] = cells[1]
+        try:
+            rows = list(csv.reader(file, skipinitialspace=True))
+        except csv.Error as error:
+            raise RosterError(f"it is not CSV: {error}") from None
+    for number, row in enumerate(rows, start=1):
+        cells = [cell.strip() for cell in row]
+        is_heading = number == 1 and all(cell.lower() in _HEADINGS for cell in cells[:2])
+        if not any(cells) or is_heading:
+            continue
+        if len(cells) < 2 or not cells[0] or not cells[1]:
+            raise RosterError(f"line {number}: must be a folder or archive, and a student")
+        if stem_of(cells[0]) in found:
+            raise RosterError(f"line {number}: {cells[0]} appears twice")
+        found[stem_of(cells[0])] = cells[1]
     return found
 
 

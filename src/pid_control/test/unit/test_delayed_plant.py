@@ -40,6 +40,17 @@ def test_no_input_overtakes_another_when_the_dead_time_becomes_shorter() -> None
     assert plant.output(3.0) == 0.0
 
 
+def test_set_output_and_change_leave_earlier_inputs_their_time() -> None:
+    for is_set in (False, True):
+        plant = delayed(0.5)
+        plant.set_input(0.0, 1.0)
+        if is_set:
+            plant.set_output(1.0, 0.0)
+        else:
+            plant.change(1.0, SETTINGS, 1e-3, 0.0)
+        assert plant.output(1.5) == pytest.approx(-2.0 * math.expm1(-0.5 if is_set else -1.0))
+
+
 def test_set_output_and_change_apply_to_the_plant() -> None:
     plant = delayed(0.5)
     plant.set_output(1.0, 4.0)

@@ -1,30 +1,58 @@
 """Callbacks of the nodes, without a master."""
 
-from typing import Any, List
+from typing import Any, List, Tuple
 from unittest import mock
 
 import pytest
+from std_msgs.msg import Float64MultiArray
 
+from nodekit.master import MISSING
+from pid_control import course_names
 from pid_control.controller.controller_parameters import ControllerParameters
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control.nodes import system
 from pid_control.nodes.controller import Controller
+from pid_control.nodes.set_point_generator import SetPointGenerator
+from pid_control.plant.status import NOT_TURNING
 from pid_control.plant.system_parameters import SystemParameters
 from pid_control.recording import live_experiment
 from pid_control.recording.fields import Field
-from pid_control.recording.live_experiment import LiveExperiment
+from pid_control.recording.live_experiment import DriveSettings, LiveExperiment
 from pid_control.recording.samples import Samples
 
 
-def test_changed_dead_time_of_the_motor_affects_the_next_input(
-    monkeypatch: "pytest.MonkeyPatch",
-) -> None:
-    monkeypatch.setattr("time.monotonic", lambda: 0.0)
+class Clock:
+    """Machine's clock of a test, which stands still otherwise."""
+
+    def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
+        self.now = 100.0
+        monkeypatch.setattr("time.monotonic", lambda: self.now)
+
+
+@pytest.fixture
+def clock(monkeypatch: "pytest.MonkeyPatch") -> Clock:
+    return Clock(monkeypatch)
+
+
+def motor_of(
+    values: SystemParameters, monkeypatch: "pytest.MonkeyPatch"
+) -> Tuple[system.System, mock.MagicMock]:
     monkeypatch.setattr(system, "adopt_course_names", mock.Mock())
-    node = mock.Mock()
+    node = mock.MagicMock()
+    node.declare_parameters.return_value.values = values
+    return system.System(node), node
+
+
+def speed_of(node: mock.MagicMock) -> float:
+    """Return the latest output of a motor."""
+    return float(node.create_publisher.return_value.publish.call_args[0][0].output)
+
+
+def test_changed_dead_time_of_the_motor_affects_the_next_input(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
     before = SystemParameters()
-    node.declare_parameters.return_value.values = before
-    motor = system.System(node)
+    motor, node = motor_of(before, monkeypatch)
     motor._on_change(before.replace(system_dead_time=0.3), before)
     motor._on_input(motor_input(1.0, 0.0))
     for time in (0.1, 0.29, 0.5):
@@ -33,19 +61,248 @@ def test_changed_dead_time_of_the_motor_affects_the_next_input(
     assert sent[:2] == [0.0, 0.0] and sent[2] > 1.0
 
 
-def test_controller_continues_from_its_last_input_after_missing_outputs() -> None:
+def test_motor_speed_jumps_only_to_a_changed_initial_condition(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    before = SystemParameters(system_param_T=1000.0, system_initial_cond=2.0)
+    motor, node = motor_of(before, monkeypatch)
+    for values, speed in ((before.replace(system_param_K=5.0), 2.0), (before, 2.0)):
+        motor._on_change(values.replace(system_initial_cond=speed), before)
+        motor._publish(0.0)
+        assert speed_of(node) == pytest.approx(2.0)
+    motor._on_change(before.replace(system_initial_cond=6.0), before)
+    motor._publish(0.0)
+    assert speed_of(node) == pytest.approx(6.0)
+    motor._publish(2000.0)
+    motor._on_change(before.replace(system_param_K=5.0), before)
+    motor._publish(2000.0)
+    assert speed_of(node) == pytest.approx(6.0 * 0.1353, rel=1e-3)
+
+
+@pytest.mark.parametrize("late, delay", [(-50.0, 0.3), (50.0, 0.301)])
+def test_motor_input_acts_between_two_outputs_whatever_the_clock_does(
+    late: float, delay: float, clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    motor, node = motor_of(SystemParameters(system_dead_time=0.3), monkeypatch)
+    motor._publish(1.0)
+    clock.now += late
+    motor._on_input(motor_input(1.0, 0.0))
+    motor._publish(1.0 + delay - 0.003)
+    assert speed_of(node) == 0.0
+    motor._publish(1.0 + delay + 0.01)
+    assert speed_of(node) > 0.0
+
+
+def test_motor_ends_at_rest_at_its_latest_time(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    motor, node = motor_of(SystemParameters(), monkeypatch)
+    motor._publish(0.5)
+    motor._end()
+    motor._publish(0.6)
+    publish = node.create_publisher.return_value.publish
+    assert publish.call_args_list[1:] == [mock.call(motor_output(0.0, 0.5, NOT_TURNING))]
+
+
+def test_timers_follow_a_changed_rate(monkeypatch: "pytest.MonkeyPatch") -> None:
+    _, node = motor_of(SystemParameters(), monkeypatch)
+    rate = node.create_timer.call_args[0][0]
+    node.declare_parameters.return_value.values = SystemParameters(system_node_rate=50.0)
+    assert rate() == 50.0
+    # On a busy machine the outputs that are due are sent late.
+    assert node.create_timer.call_args[1]["catch_up"] > 0.1
     node = mock.MagicMock()
-    node.declare_parameters.return_value.values = ControllerParameters(kp=0.08, ki=0.5)
-    publisher = node.create_publisher.return_value
-    publisher.get_num_connections.return_value = 0
-    controller = Controller(node)
-    controller._check_silence(0.0)
-    controller._on_set_point(set_point(4.0, 0.0))
-    for time, speed in ((0.01, 0.0), (0.02, 1.0), (2.0, 3.0), (2.01, 3.0)):
-        controller._on_output(motor_output(speed, time, ""))
-    sent = [call[0] for call in publisher.publish.call_args_list]
-    inputs = [message.input for message, *rest in sent if not rest]  # without the 0 at first
-    assert inputs[2] == pytest.approx(inputs[1]) and inputs[3] > inputs[2]
+    SetPointGenerator(node)
+    rate = node.create_timer.call_args[0][0]
+    node.declare_parameters.return_value.values.rate = 25.0
+    assert rate() == 25.0
+
+
+def test_set_point_has_its_time_and_the_stop_value_once() -> None:
+    node = mock.MagicMock()
+    values = node.declare_parameters.return_value.values
+    values.start_delay, values.duration, values.stop_value = 2.0, 0.0, -1.0
+    generator = SetPointGenerator(node)
+    generator._publish(0.5)
+    generator._stop()
+    generator._end()
+    generator._publish(0.6)
+    publish = node.create_publisher.return_value.publish
+    assert publish.call_args_list == [mock.call(-1.0, 0.5)] * 2
+
+
+class ControllerRig:
+    """Controller without a master, its clock, and what it sends."""
+
+    def __init__(self, clock: Clock, **values: Any) -> None:
+        self.clock, self.node = clock, mock.MagicMock()
+        self.node.declare_parameters.return_value.values = ControllerParameters(**values)
+        self.publisher = self.node.create_publisher.return_value
+        self.publisher.get_num_connections.return_value = 0
+        self.controller = Controller(self.node)
+        self.controller._check_silence(0.0)
+        self.controller._on_set_point(set_point(4.0, 0.0))
+
+    def sent(self, time: float, speed: float = 0.0) -> List[Tuple[float, float]]:
+        """Send an output; return the inputs and their times that follow."""
+        self.publisher.publish.reset_mock()
+        self.controller._on_output(motor_output(speed, time, ""))
+        return self.heard()
+
+    def heard(self) -> List[Tuple[float, float]]:
+        """Return the inputs and their times."""
+        calls = [call[0] for call in self.publisher.publish.call_args_list]
+        return [(one[0].input, one[0].time) if len(one) == 1 else one for one in calls]
+
+
+@pytest.mark.parametrize("timeout, grows", [(0.5, False), (3.0, True)])
+def test_controller_continues_from_its_last_input_after_missing_outputs(
+    timeout: float, grows: bool, clock: Clock
+) -> None:
+    """With a timeout of 3 s none is missing."""
+    rig = ControllerRig(clock, kp=0.08, ki=0.01, timeout=timeout)
+    steps = ((0.01, 0.0), (0.02, 1.0), (2.0, 1.0), (2.01, 1.0))
+    inputs = [rig.sent(time, speed)[0][0] for time, speed in steps]
+    growth = 1.98 * 0.01 * 3.0 if grows else 0.0
+    assert inputs[2] == pytest.approx(inputs[1] + growth) and inputs[3] > inputs[2]
+
+
+def test_controller_terms_have_the_error_and_the_time_of_their_output(clock: Clock) -> None:
+    rig = ControllerRig(clock, kp=0.1, ki=0.0)
+    rig.publisher.get_num_connections.return_value = 1
+    rig.publisher.publish.reset_mock()
+    rig.controller._on_output(motor_output(1.0, 0.25, ""))
+    terms = rig.publisher.publish.call_args[0][0]
+    assert (terms.time, terms.error) == (0.25, 3.0)
+    assert terms.proportional == terms.output == pytest.approx(0.3)
+
+
+def test_controller_first_input_does_not_continue_a_manual_output(clock: Clock) -> None:
+    clock.now = 0.1  # as a simulation begins: the motor is not silent yet
+    rig = ControllerRig(clock, mode="manual", manual_output=0.7, kp=0.1)
+    before = rig.node.declare_parameters.return_value.values
+    rig.node.declare_parameters.return_value.values = after = before.replace(mode="PI")
+    rig.controller._on_change(after, before)
+    assert rig.sent(0.01) == [(pytest.approx(0.4), 0.01)]
+
+
+def test_controller_silent_motor_gets_0_once_and_then_a_first_input(clock: Clock) -> None:
+    rig = ControllerRig(clock, kp=0.1, ki=1.0, timeout=0.5, command_timeout=0.0)
+    rig.sent(0.01)
+    rig.publisher.publish.reset_mock()
+    for _ in range(2):
+        clock.now += 0.6
+        rig.controller._check_silence(0.0)
+    assert rig.heard() == [(0.0, 0.01)]
+    # Its stamps do not say for how long.
+    assert rig.sent(0.3) == [(pytest.approx(0.4), 0.3)]
+
+
+def test_controller_set_point_and_motor_silent_stops_by_the_shorter_timeout(clock: Clock) -> None:
+    rig = ControllerRig(clock, timeout=20.0, command_timeout=1.0)
+    rig.sent(0.01)
+    rig.publisher.publish.reset_mock()
+    clock.now += 1.1
+    rig.controller._check_silence(0.0)
+    assert rig.heard() == [(0.0, 0.01)]
+    assert rig.sent(0.02) == []
+
+
+def test_controller_activated_again_begins_with_a_first_input(clock: Clock) -> None:
+    rig = ControllerRig(clock, kp=0.1, ki=1.0)
+    rig.sent(0.01)
+    rig.controller._pause()
+    assert rig.sent(0.2) == []
+    rig.controller._check_silence(0.0)
+    assert rig.sent(0.3) == [(pytest.approx(0.4), 0.3)]
+
+
+def test_controller_sends_nothing_after_its_end(clock: Clock) -> None:
+    rig = ControllerRig(clock)
+    rig.sent(0.01)
+    rig.controller._end()
+    rig.controller._check_silence(0.0)
+    assert rig.sent(0.02) == []
+
+
+def test_controller_warns_of_late_outputs_now_and_then(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    warn = mock.Mock()
+    monkeypatch.setattr("rospy.logwarn", warn)
+    rig = ControllerRig(clock)
+    assert rig.sent(0.01)
+    assert [rig.sent(0.01) for _ in range(3)] == [[]] * 3
+    assert warn.call_count == 1
+
+
+def test_course_names_equal_to_the_private_ones_are_no_warning(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    """As at the second start on a master."""
+    held = {"/m/system_param_K": 5.0, "/system_param_K": 5.0}
+    master = mock.MagicMock()
+    master.return_value.__enter__.return_value.read = lambda keys: mock.Mock(
+        values={key: held.get(key, MISSING) for key in keys}
+    )
+    monkeypatch.setattr(course_names, "MasterClient", master)
+    warn = mock.Mock()
+    monkeypatch.setattr("rospy.logwarn", warn)
+    node = mock.Mock(resolve=lambda name: "/" + name)
+    node.name = "/m"
+    for value, times in ((5.0, 0), (6.0, 1)):
+        held["/system_param_K"] = value
+        course_names.adopt_course_names(node, SystemParameters)
+        assert warn.call_count == times
+
+
+def experiment_on(
+    monkeypatch: "pytest.MonkeyPatch", output: str = "motor_output/output"
+) -> Tuple[Any, mock.MagicMock]:
+    """Return an experiment of /identify, of which the master knows an earlier one, and its node."""
+    master = mock.MagicMock()
+    known = master.return_value.__enter__.return_value
+    known.system_state.return_value.publishers = [("/motor_input", ["/identify"])]
+    known.topic_types.return_value = {
+        "/motor_input": "pid_control/motor_input",
+        "/motor_output": "pid_control/motor_output",
+        "/array": "std_msgs/Float64MultiArray",
+    }
+    monkeypatch.setattr(live_experiment, "MasterClient", master)
+    monkeypatch.setattr("rospy.get_time", lambda: 0.0)
+    node = mock.MagicMock(resolve=lambda name: "/" + name)
+    node.name = "/identify"
+    drive = DriveSettings("motor_input/input", output, 0.0, 1.0, 10.0)
+    return LiveExperiment(node, drive, mock.Mock()), node
+
+
+def test_identify_begins_with_the_first_output_and_ends_with_an_input_of_0(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    experiment, node = experiment_on(monkeypatch)
+    publish = node.create_publisher.return_value.publish
+    experiment._on_output(motor_output(1.0, 0.5, ""))  # before the first clock
+    experiment._send(0.0)
+    assert not publish.called
+    monkeypatch.setattr("rospy.get_time", lambda: 2.0)
+    experiment._on_output(motor_output(1.0, 0.5, ""))
+    sent: List[float] = []
+    publish.side_effect = lambda message: sent.append(message.input)
+    abort = mock.Mock()
+    monkeypatch.setattr(live_experiment, "abort", abort)
+    for time in range(110):
+        experiment._send(0.1 * time)
+    assert 0.0 < max(sent[:-1]) <= 1.0 and len(sent) > 90 and sent[-1] == 0.0
+    assert abort.call_count == 1  # one output is no record
+    # A paused clock is a silent plant too.
+    assert node.create_timer.call_args_list[1][1] == {"steady": True}
+
+
+def test_identify_element_of_an_array_is_an_output(monkeypatch: "pytest.MonkeyPatch") -> None:
+    experiment, _ = experiment_on(monkeypatch, "array/data[1]")
+    monkeypatch.setattr("rospy.get_time", lambda: 2.0)
+    experiment._on_output(Float64MultiArray(data=[1.0, 2.5]))
+    assert experiment._outputs.values == [2.5]
 
 
 def test_input_of_identify_has_the_time_of_the_latest_output(

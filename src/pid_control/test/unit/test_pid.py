@@ -157,14 +157,25 @@ def test_change_of_settings_makes_no_jump(change: dict) -> None:
     assert law.update(5.0, 4.0, DT).output > after  # and it continues
 
 
-def test_change_of_ki_to_0_holds_the_integral() -> None:
+def test_change_to_a_lower_limit_starts_at_that_limit() -> None:
     settings = PidSettings(PI, 0.08, 1.5)
+    law = Pid(settings)
+    for _ in range(100):
+        law.update(5.0, 4.0, DT)
+    law.change(settings._replace(output_max=0.3))
+    assert law.update(5.0, 4.0, DT).unlimited == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("anti_windup", [CLAMPING, BACK_CALCULATION])
+def test_change_of_ki_to_0_holds_the_integral(anti_windup: str) -> None:
+    settings = PidSettings(PI, 0.08, 1.5, anti_windup=anti_windup)
     law = Pid(settings)
     for _ in range(30):
         before = law.update(5.0, 4.0, DT).output
     law.change(settings._replace(ki=0.0))
-    for _ in range(30):
-        assert law.update(5.0, 4.0, DT).output == pytest.approx(before, abs=1e-9)
+    for speed in (*[-20.0] * 30, *[4.0] * 30):  # first at the limit
+        after = law.update(5.0, speed, DT).output
+    assert after == pytest.approx(before, abs=1e-9)
     law.change(settings)
     assert law.update(5.0, 4.0, DT).output == pytest.approx(before, abs=1e-9)
 
@@ -197,6 +208,14 @@ def test_resume_continues_from_output_also_at_a_limit() -> None:
     assert law.update(5.0, 6.0, DT).output < 1.0
 
 
+def test_resume_forgets_the_derivative() -> None:
+    law = Pid(FREE)
+    for speed in (1.0, 1.5):
+        assert law.update(5.0, speed, DT).derivative <= 0.0
+    law.resume(0.5)
+    assert law.update(5.0, 4.0, 0.0).derivative == 0.0
+
+
 @pytest.mark.parametrize("mode", [P, PI])
 def test_mode_without_derivative_has_none_left(mode: str) -> None:
     law = Pid(FREE)
@@ -211,6 +230,7 @@ def test_reset_restores_initial_state() -> None:
     first = law.update(5.0, 1.0, 0.0)
     for _ in range(10):
         law.update(5.0, 2.0, DT)
+    law.change(FREE)
     law.reset()
     assert law.update(5.0, 1.0, 0.0) == first
 

@@ -109,10 +109,9 @@ class Controller:
         self._forget_old_set_point()
         timeout = self._settings.values.timeout
         if not self._is_stopped and self._clock() - self._heard_at > timeout:
-            was_at_work = self._input != 0.0
             self._stop()
             self._stamps = StampClassifier()  # the next motor may have another clock
-            if was_at_work:
+            if self._input != 0.0:
                 rospy.logwarn("%s: nothing for %g s: the input is 0", self._motor, timeout)
 
     def _forget_old_set_point(self) -> None:
@@ -127,7 +126,6 @@ class Controller:
     def _stop(self) -> None:
         if not self._is_stopped:
             self._is_stopped = True
-            self._input = 0.0
             self._publisher.publish(0.0, self._stamp)
 
     def _pause(self) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 from geometry_msgs.msg import TwistStamped
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, Int32
 
 from pid_control.msg import motor_input
 from pid_control.recording.fields import Field, FieldError, field_of, number_in, put_number
@@ -22,7 +22,10 @@ def test_number_is_found_at_any_depth() -> None:
     twist.twist.linear.x = 3.0
     assert number_in(twist, Field("/a", "twist/linear/x")) == 3.0
     assert number_in(twist, Field("/a", "header/seq")) == 0.0
-    assert number_in(Float64MultiArray(data=[1.0, 2.0]), Field("/a", "data[1]")) == 2.0
+    two = Float64MultiArray(data=[1.0, 2.0])
+    assert number_in(two, Field("/a", "data[1]")) == 2.0
+    with pytest.raises(FieldError, match=r"'data\[2\]' is not an element of an array"):
+        number_in(two, Field("/a", "data[2]"))
 
 
 @pytest.mark.parametrize(
@@ -42,7 +45,9 @@ def test_number_in_invalid_field_names_the_problem(path: str, why: str) -> None:
 
 
 def test_put_number_sets_the_field() -> None:
-    message, twist = motor_input(), TwistStamped()
+    message, twist, whole = motor_input(), TwistStamped(), Int32()
+    put_number(whole, Field("/a", "data"), 2.6)
+    assert whole.data == 2 and isinstance(whole.data, int)
     put_number(message, Field("/a", "input"), 0.5)
     put_number(twist, Field("/a", "twist/angular/z"), 2.0)
     assert (message.input, twist.twist.angular.z) == (0.5, 2.0)

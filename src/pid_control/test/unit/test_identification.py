@@ -6,10 +6,11 @@ import xml.etree.ElementTree
 import numpy
 import pytest
 
-from pid_control.identification.fit import identify
+from pid_control.identification.fit import Identification, identify
 from pid_control.identification.model_file import as_yaml
 from pid_control.identification.record import IdentificationError, record_of
 from pid_control.identification.report import as_picture, as_text
+from pid_control.identification.residual_test import ResidualTest
 from pid_control.identification.response import Model
 from pid_control.identification.step_reading import StepReading, read_step, why_they_differ
 from plants import answered, check_random_plants, errors_of, recorded
@@ -68,6 +69,18 @@ def test_uncertainty_grows_with_correlated_residuals() -> None:
             9.0,
             "the input changes only outside the time of the outputs",
         ),
+        (
+            [(0.0, 0.1), (3.0, -0.1), (6.0, 0.0)],
+            Model(2.0, 1.0, 0.0, 0.2),
+            9.0,
+            "is 0 throughout, while the input goes from -0.1 to 0.1",
+        ),
+        (
+            [(10.0 + 0.1 * number, float(number)) for number in range(5)],
+            SLOW,
+            9.0,
+            "the input changes only outside the time of the outputs",
+        ),
     ],
 )
 def test_identify_unusable_record_raises(
@@ -91,7 +104,9 @@ def test_identify_gain_hidden_by_noise_raises() -> None:
     step = -0.02 * (1.0 - numpy.exp(-(times - 6.0).clip(0.0)))
     noise = numpy.random.RandomState(1).normal(0.0, 0.1, len(times))
     record = record_of([0.0, 6.0], [0.0, 1.0], times, 3.0 * numpy.exp(-times) + step + noise)
-    with pytest.raises(IdentificationError, match="there is too little in it, or too much noise"):
+    with pytest.raises(
+        IdentificationError, match="K .* not at all and T within .*: there is too little"
+    ):
         identify(record)
 
 
@@ -112,6 +127,13 @@ def test_record_of_few_outputs_raises() -> None:
         ([(1.0, 1.0)], Model(2.0, 1.0, 0.3), 0.0, "the dead time of 0.3 s is read as a part of T"),
         ([(1.0, 0.1), (2.0, 1.0)], Model(2.0, 1.0, 0.0, 0.2), 0.0, "0.1 is in the dead zone"),
         ([(8.0, 1.0)], SLOW, 0.0, "the step holds for 2.0 T"),
+        ([(8.0, 1.0)], Model(2.0, 1.0, 0.5), 0.0, "the step holds for 1.5 T"),
+        (
+            [(0.5, 1.0), (5.0, -0.1)],
+            Model(2.0, 1.0, 0.0, 0.0, 1.5),
+            0.0,
+            "the output meets its limit of 1.5",
+        ),
         ([(1.0, 1.0)], SLOW, 0.1, "with noise, the first output beyond"),
     ],
 )
@@ -125,6 +147,47 @@ def test_step_reading_differences_are_explained(
         # Finding the dead zone needs more levels; this test is about the reading.
         found = found._replace(model=model)
     assert any(why in said for said in why_they_differ(record, found, reading))
+
+
+def test_read_step_ignores_a_larger_but_short_step() -> None:
+    record = answered([(0.0, 0.0), (1.0, 1.0), (1.1, 0.0), (2.0, 0.5)], SLOW, 9.0)
+    reading = read_step(record)
+    assert reading is not None and (reading.before, reading.after) == (0.0, 0.5)
+
+
+def test_report_states_each_figure() -> None:
+    record = answered([(2.0, 0.5)], Model(13.1, 0.4, 0.1), 6.0)._replace(left_out=3)
+    model = Model(10.0, 0.5, 0.1, 0.2, 9.0, 20.0, 0.05)
+    wide = Model(1.1, 0.12, 0.013, 0.014, 0.15, 1.6, 0.017)
+    residual = 0.1 * record.span
+    fitted = record.outputs - numpy.linspace(0.0, 1.0, len(record.times))
+    test = ResidualTest(False, True, False, False, 12.0)
+    found = Identification(model, wide, fitted, residual, 0.9, test)
+    reading = StepReading(2.0, 0.25, 0.5, 4.0, 12.0, 0.45)
+    lines = as_text(record, found, reading).splitlines()
+    assert lines[0] == "6 s, 2000 outputs, 1 changes of the input"
+    assert [line.split() for line in lines[2:9]] == [
+        ["K", "10", "±", "1.1", "12"],
+        ["T", "0.5", "±", "0.12", "s", "0.45", "s"],
+        ["dead", "time", "0.1", "±", "0.013", "s"],
+        ["dead", "zone", "0.2", "±", "0.014"],
+        ["limit", "9", "±", "0.15"],
+        ["offset", "20", "±", "1.6"],
+        ["friction", "0.05", "±", "0.017"],
+    ]
+    assert lines[9].endswith("rms, 10 % of the outputs' range")
+    assert lines[10:14] == [
+        "± does not hold in 95 of 100: the record has only 12 independent outputs",
+        "± counts 12 independent outputs: the residual is autocorrelated",
+        "left out    3 values that are not finite",
+        "The reading is of the step from 0.25 to 0.5 at 2 s:",
+    ]
+    picture = as_picture(record, found)
+    assert "residual: ± does not hold" in picture and "input (friction 0.05)" in picture
+    curves = [part.split('"')[0].split() for part in picture.split('points="')[1:]]
+    below, above = (float(curves[3][end].split(",")[1]) for end in (0, -1))
+    assert above < below  # the record rises above the model
+    assert curves[4][-1].startswith("640.0,")  # the last input is held
 
 
 def test_report_has_each_value_with_its_uncertainty() -> None:

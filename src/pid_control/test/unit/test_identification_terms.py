@@ -70,6 +70,7 @@ def test_heater_at_ambient_temperature_has_its_gain_and_no_limit() -> None:
     assert found.model.offset == pytest.approx(20.0, abs=0.2)
     assert_within(found, "gain", 50.0, 1.0)
     assert_within(found, "offset", 20.0, 0.2)
+    assert found.test.independent > 1200.0  # of 1500 outputs, all are used
     text = as_text(record, found, read_step(record))
     assert "\noffset      20" in text
     assert "± holds in 95 of 100" in text

@@ -4,6 +4,7 @@ import pathlib
 import sys
 from typing import List, Tuple
 
+import numpy
 import pytest
 import rosbag
 import rospy
@@ -11,6 +12,7 @@ from std_msgs.msg import String
 
 from pid_control.commands import identify as identify_command
 from pid_control.msg import motor_input, motor_output
+from pid_control.recording.bag_record import read_record
 
 
 def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int, str, str]:
@@ -32,6 +34,7 @@ def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int
         (["{folder}/none.bag"], "No such file or directory"),
         (["--largest", "0"], "--largest above it"),
         (["--least", "nan"], "'nan' is not a finite number"),
+        (["--largest", "inf"], "'inf' is not a finite number"),
         (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
         (["--model", "{folder}/no/m.yaml"], "no/m.yaml: No such file or directory"),
         (["--picture", "{folder}/no/p.svg"], "no/p.svg: No such file or directory"),
@@ -65,12 +68,15 @@ def test_identify_bag_with_any_two_fields_is_accepted(
             speed = 0.0 if number < 200 else 4.0 * (1.0 - 0.98 ** (number - 200))
             if number in (100, 200):
                 bag.write("/a/given", motor_input(given, 0.0), time)
-            bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time)
+            late = rospy.Duration.from_sec(0.004 * (number % 2))
+            bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time + late)
         bag.write("/a/given", motor_input(0.0, 0.0), rospy.Time.from_sec(109.999))
         # Other topics are not read: this one is unreadable.
         broken = (String._type, b"", String._md5sum, String)
         bag.write("/a/other", broken, rospy.Time.from_sec(105.0), raw=True)
     fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
+    times = read_record(path, fields[1], fields[3]).times
+    assert numpy.diff(times) == pytest.approx(0.01)  # by the stamps
     status, output, errors = identify(capsys, path, *fields)
     assert (status, errors) == (0, "")
     (line,) = [line for line in output.splitlines() if line.startswith("K   ")]
@@ -78,3 +84,8 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     status, _, errors = identify(capsys, path, *fields, "--end", "1.5")
     assert status == 1
     assert "record not usable: the input never changes: it is 0 throughout" in errors
+    status, output, errors = identify(capsys, path, *fields, "--start", "1.5", "--end", "9")
+    assert (status, errors) == (0, "")
+    assert output.startswith("7.5 s, 751 outputs, 1 changes of the input")
+    status, _, errors = identify(capsys, path, *fields, "--start", "11")
+    assert status == 1 and "/a/done/output is not in this part of the bag" in errors

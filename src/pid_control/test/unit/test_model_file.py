@@ -24,6 +24,7 @@ def test_saved_model_is_loaded_by_the_node() -> None:
 def test_model_file_unreached_limit_is_unlimited() -> None:
     text = as_yaml(identify(recorded(Model(2.0, 1.0))), "a record")
     assert "system_max_speed: 1000000000.0  # not met" in text
+    assert "system_min_input: 0.0  # not met" in text
     SystemParameters(**{name: float(value) for name, value in _pairs(text)})
     assert read_model(text).limit == math.inf
 

@@ -4,6 +4,7 @@ import math
 from typing import List, Tuple
 
 import numpy
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -43,6 +44,14 @@ def test_responses_match_the_sampled_plant(
                 one.hold(*coming.pop(0))
             expected = model.offset + one.output(time)
             assert math.isclose(answer, expected, rel_tol=1e-9, abs_tol=1e-9)
+
+
+def test_responses_with_friction_leave_the_limit_at_once() -> None:
+    changed_at, times = numpy.array([0.0, 5.0]), numpy.array([4.9, 5.0, 5.5])
+    record = Record(changed_at, numpy.array([1.0, 0.0]), times, times)
+    row = candidate(Model(2.0, 1.0, limit=1.0, friction=0.1), 0.0)
+    expected = [1.0, 1.0, 1.2 * math.exp(-0.5) - 0.2]
+    assert responses(record, row[None, :])[0].tolist() == pytest.approx(expected)
 
 
 FRICTION = st.floats(0.0, 0.5)

@@ -17,6 +17,7 @@ def times_of(stamps: List[Optional[float]], heard: List[float]) -> List[float]:
 
 def test_times_late_arrivals_use_stamps() -> None:
     assert times_of([0.0, 1.0, 2.0], [100.5, 101.25, 102.75]) == [100.25, 101.25, 102.25]
+    assert times_of([0.0], [100.5]) == [100.5]
 
 
 @pytest.mark.parametrize(

@@ -46,11 +46,10 @@ def read_step(record: Record) -> Optional[StepReading]:
     :returns: None if no step is followed by enough outputs
     """
     ends = numpy.append(record.changed_at[1:], record.times[-1])
-    begins = numpy.insert(record.changed_at[:-1], 0, record.times[0])
     holds = (ends - record.changed_at)[1:]
     steps = numpy.where(holds > _LONG * holds.max(), numpy.abs(numpy.diff(record.inputs)), 0.0)
     index = int(numpy.argmax(steps)) + 1
-    begin, time, end = begins[index], record.changed_at[index], ends[index]
+    begin, time, end = record.changed_at[index - 1], record.changed_at[index], ends[index]
     rest = record.outputs[_between(record, time - _STEADY * (time - begin), time)]
     steady = record.outputs[_between(record, end - _STEADY * (end - time), end)]
     if len(rest) == 0 or len(steady) == 0:

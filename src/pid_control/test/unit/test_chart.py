@@ -45,7 +45,7 @@ def test_many_points_are_drawn_in_the_order_of_time() -> None:
 
 def test_chart_draws_constant_and_not_finite_values() -> None:
     curves = drawn(
-        Curve("", "red", [0.0, 1.0, 2.0], [5.0, math.nan, 5.0]),
+        Curve("", "red", [0.0, 1.0, 2.0], [math.inf, 5.0, 5.0]),
         Curve("", "red", [0.0], [5.0]),
     )
     assert [len(points) for points in curves] == [2, 1]
@@ -57,3 +57,17 @@ def test_axis_with_limits_of_its_own_shows_those() -> None:
     assert 'points="0.0,20.0 50.0,11.7"' in text
     marks = [f'text-anchor="end">{mark}</text>' for mark in ("-1", "0", "1")]
     assert [mark in text for mark in marks] == [True, True, True]
+    assert text.index('y="40.7" text-anchor="end">-1<') < text.index('y="7.3" text-anchor="end">1<')
+
+
+def test_panels_share_the_time_axis_and_do_not_overlap() -> None:
+    curves = [Curve("", "red", [5.0, 6.0], [0.0, 1.0]), Curve("", "red", [6.0, 7.0], [0.0, 1.0])]
+    heights = (160.0, 40.0, 80.0)
+    panels = [Panel("", [curve], height) for curve, height in zip([*curves, curves[0]], heights)]
+    text = as_svg(panels)
+    first, second, third = (part.split('"')[0].split() for part in text.split('points="')[1:])
+    assert [one.split(",")[0] for one in (first[0], first[-1])] == ["0.0", "320.0"]
+    assert [one.split(",")[0] for one in (second[0], second[-1])] == ["320.0", "640.0"]
+    assert '<text x="320.0" y="176" text-anchor="middle">6 s</text>' in text
+    places = [float(part.split(")")[0]) for part in text.split("translate(56 ")[1:]]
+    assert [b - a - height for a, b, height in zip(places, places[1:], heights)] == [70.0, 70.0]

@@ -5,7 +5,7 @@ import xml.etree.ElementTree
 
 import pytest
 
-from pid_control.controller.pid import PI, P
+from pid_control.controller.pid import PI, PID, P
 from pid_control.identification.response import Model
 from pid_control.tuning import closed_loop
 from pid_control.tuning.closed_loop import as_picture, as_table, respond
@@ -37,6 +37,7 @@ def test_respond_without_integral_does_not_reach_set_point() -> None:
     response = respond(MODEL, Gains(SIMC, "", P, 0.01, 0.0), PERIOD, -1.0, 1.0)
     assert math.isinf(response.settling_time)
     assert math.isinf(response.rise_time)
+    assert response.overshoot == 0.0
     assert as_table([response]).endswith(" > 14.51")
 
 
@@ -71,6 +72,30 @@ def test_set_point_is_within_reach_and_inputs_within_limits() -> None:
         assert response.outputs[-1] == pytest.approx(-0.6, abs=0.1)
 
 
+def test_respond_starts_with_the_proportional_term_that_acts_at_once() -> None:
+    fast = Model(13.1, 0.04)
+    response = respond(fast, Gains(SIMC, "", PI, 0.05, 0.5), PERIOD, -1.0, 1.0)
+    assert response.inputs[0] == pytest.approx(0.05 * 6.55)
+    expected = 13.1 * response.inputs[0] * -math.expm1(-PERIOD / 0.04)
+    assert response.outputs[1] == pytest.approx(expected)
+    late = respond(fast._replace(dead_time=0.004), Gains(SIMC, "", P, 0.05, 0.0), PERIOD, -1.0, 1.0)
+    expected = 13.1 * late.inputs[0] * -math.expm1(-0.006 / 0.04)
+    assert late.outputs[1] == pytest.approx(expected, rel=0.05)
+
+
+def test_respond_filters_the_derivative() -> None:
+    fast = Model(13.1, 0.04)
+    plain = respond(fast, Gains(SIMC, "", PI, 0.05, 0.5), PERIOD, -1.0, 1.0)
+    slow = Gains(SIMC, "", PID, 0.05, 0.5, 0.1, 1e9)
+    assert respond(fast, slow, PERIOD, -1.0, 1.0).outputs == pytest.approx(plain.outputs)
+
+
+def test_respond_input_in_the_dead_zone_does_not_move_the_plant() -> None:
+    gains = Gains(SIMC, "", P, 0.01, 0.0)
+    response = respond(MODEL._replace(dead_zone=0.1), gains, PERIOD, -1.0, 1.0)
+    assert response.inputs[0] > 0.0 and set(response.outputs) == {0.0}
+
+
 def test_table_and_picture_have_each_method() -> None:
     found = gains_of(MODEL, PERIOD)
     responses = [respond(MODEL, found[method], PERIOD, -1.0, 1.0) for method in METHODS]
@@ -78,6 +103,20 @@ def test_table_and_picture_have_each_method() -> None:
     assert [line.split()[0] for line in lines[1:]] == list(METHODS)
     picture = as_picture(responses)
     root = xml.etree.ElementTree.fromstring(picture)
-    assert len(list(root.iter("{http://www.w3.org/2000/svg}polyline"))) == 1 + 2 * len(METHODS)
+    lines = root.iter("{http://www.w3.org/2000/svg}polyline")
+    points = [(line.get("points") or "").split() for line in lines]
+    assert len(points) == 1 + 2 * len(METHODS)
+    # The inputs are held, and so drawn in steps.
+    assert len(points[-1]) > len(points[len(METHODS)])
     for method in METHODS:
         assert method in picture
+
+
+def test_picture_shows_the_set_point_for_the_longest_response() -> None:
+    gains = Gains(SIMC, "", PI, 1.0, 1.0)
+    short, long = (
+        closed_loop.Response(gains, times, [1.0] * len(times), [0.0] * len(times), 1.0)
+        for times in ([0.0, 1.0], [0.0, 1.0, 2.0])
+    )
+    set_point = as_picture([short, long]).split('points="')[1].split('"')[0]
+    assert set_point.split()[-1].startswith("640.0,")

@@ -34,6 +34,9 @@ def test_wanted_time_constant_changes_simc_and_lambda_only() -> None:
     found, wanted = gains_of(MODEL, PERIOD), gains_of(MODEL, PERIOD, 1.5)
     assert wanted[SIMC].kp == wanted[LAMBDA].kp == pytest.approx(1.0)
     assert wanted[ZN_PI] == found[ZN_PI]
+    tight = gains_of(MODEL, PERIOD, 0.25)
+    times = [tight[method].kp / tight[method].ki for method in (SIMC, LAMBDA)]
+    assert times == pytest.approx([3.0, 4.0])
 
 
 def test_negative_plant_gain_negates_all_gains() -> None:

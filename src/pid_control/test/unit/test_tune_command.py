@@ -3,6 +3,7 @@
 import pathlib
 import sys
 from typing import Any, Callable, Dict, List
+from unittest import mock
 
 import pytest
 import yaml
@@ -68,6 +69,21 @@ def test_tune_uses_the_period_and_the_wanted_time_constant(
     found = written_gains("--period", "0.1", "--wanted", "0.35")
     # The mean delay of the period is 0.05 s.
     assert found["kp"] == pytest.approx(0.2 / (10.0 * (0.35 + 0.05)))
+
+
+def test_tune_writes_the_gains_of_the_method_and_judges_all_with_the_limits(
+    written_gains: "Callable[..., Dict[str, Any]]",
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+) -> None:
+    judged = mock.Mock(side_effect=lambda several, **_: [(one, "passed") for one in several])
+    monkeypatch.setattr("pid_control.runner.gains_judgement.judge_gains", judged)
+    limits = ["--least", "-0.5", "--largest", "0.8"]
+    found = written_gains("--method", "lambda", "--judge", *limits)
+    # The integral time of lambda is T, of SIMC four times the period at most.
+    assert found["kp"] / found["ki"] == pytest.approx(0.2)
+    assert judged.call_args[1] == {"least": -0.5, "largest": 0.8}
+    assert capsys.readouterr().out.count(":\npassed") == 4
 
 
 def test_tune_method_without_gains_is_refused(

@@ -6,11 +6,13 @@ from typing import Any, Callable, Dict, List
 import pytest
 from hypothesis import given, settings
 
-from pid_control.controller.pid import PidSettings
+from pid_control.controller.pid import PID, PidSettings
 from pid_control.identification.response import Model
 from pid_control.judging.controller_judgement import judge
-from pid_control.judging.evidence import evidence_of
+from pid_control.judging.evidence import ControllerEvidence, adapted, evidence_of
 from pid_control.judging.experiment import MotorOutput
+from pid_control.judging.record import ENDED, Record
+from pid_control.judging.scenarios import BY_NAME, scaled
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.reports import as_sentences
 from pid_control.judging.simulation import Law, pid_law
@@ -66,6 +68,13 @@ def delayed(state: Dict[str, float], set_point: float, speed: float, dt: float) 
     return state["input"]
 
 
+def winds_up_above(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+    """Return the answer of a PI law whose integral is limited below only."""
+    error = set_point - speed
+    state["integral"] = max(state["integral"] + error * dt, -0.7)
+    return clipped(0.08 * error + 1.5 * state["integral"])
+
+
 def without(topic: str) -> Callable[[], Law]:
     """Return a PI law that loses the value of a topic."""
 
@@ -87,6 +96,8 @@ def without(topic: str) -> Callable[[], Law]:
     [
         (student(winds_up=True), "windup", ["windup: time to leave", "integral keeps growing"]),
         (student(limit=0.9, winds_up=True), "windup", ["integral keeps growing"]),
+        (law_of(winds_up_above), "windup", ["integral keeps growing"]),
+        (student(limit=1.5), "no clamp", ["the input is limited to ±1.5, not to ±1"]),
         (student(least=-1e9), "no clamp, windup", ["the input is not limited below: keep it"]),
         (
             student(least=-1e9, winds_up=True),
@@ -101,6 +112,7 @@ def without(topic: str) -> Callable[[], Law]:
             ["a correct controller in other units", "divide it by 255"],
         ),
         (student(unit=12.0), "units", ["a correct controller in other units", "divide it by 12"]),
+        (student(unit=12.0, winds_up=True), "units, windup", ["divide it by 12", "keeps growing"]),
         (
             student(sign=lambda error: -error),
             "sign",
@@ -199,6 +211,27 @@ def test_judge_passes_the_gains_of_tune(method: str) -> None:
 def test_judge_correct_controllers_get_no_false_cause(period: float, **law: Any) -> None:
     judgement = judged(correct(**law), period)
     assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
+
+
+def test_evidence_is_of_complete_records_only() -> None:
+    held = Record(BY_NAME["held"], ENDED)
+    assert evidence_of([held]) == ControllerEvidence()
+
+
+def test_evidence_of_a_law_that_is_no_pi_has_no_gains() -> None:
+    uneven = student(sign=lambda error: error if error > 0.0 else 2.0 * error)
+    assert evidence_of([play_one("held", uneven)]).law is None
+    derivative = PidSettings(PID, 0.08, 1.5, 0.001)
+    found = evidence_of([play_one("held", lambda: pid_law(derivative))])
+    assert found.has_derivative and found.law is None
+    assert evidence_of([play_one("windup", pi(output_min=-3.0, output_max=1.5))]).own_limit is None
+
+
+def test_rate_is_adapted_to_a_controller_that_answers_only_the_motor() -> None:
+    held = play_one("held", without("set_point"))
+    wanted = scaled(BY_NAME["rate"], 0.08, 1.5)
+    largest = [max(one.set_point) for one in (wanted, adapted(BY_NAME["rate"], [held]))]
+    assert largest[0] == pytest.approx(largest[1])
 
 
 @pytest.mark.parametrize("least, largest", [(-0.5, 1.0), (-1.0, 0.75)])

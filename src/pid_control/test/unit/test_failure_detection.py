@@ -1,11 +1,48 @@
-"""Tests of what counts as a failure of a running controller, and which of two is named."""
+"""Tests of the failures of a controller in a scenario."""
 
 import types
+from unittest import mock
 
-from pid_control.judging.record import RESTLESS, WRITES_WITHOUT_END
-from pid_control.runner.failure_detection import BusyDetector, failure_of
+import pytest
+
+from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
+from pid_control.judging.scenarios import BY_NAME
+from pid_control.runner.failure_detection import BusyDetector, completed, failure_of
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError
 
 TALKATIVE = types.SimpleNamespace(status=None, writes_without_end=True)
+
+
+def test_busy_detector_blames_the_controller_or_the_machine(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    now, spent = [0.0], [0.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    detector = BusyDetector(lambda: spent[0])
+    for is_idle, at, used in ((False, 0.0, 0.0), (True, 20.0, 9.0), (False, 40.0, 10.0)):
+        now[0], spent[0] = at, used
+        detector.update(is_idle)
+        assert not detector.is_its_own()
+    now[0], spent[0] = 60.0, 12.0
+    detector.update(False)
+    assert not detector.is_its_own()
+    spent[0] = 13.5  # more than 3 s since it was idle
+    assert detector.is_its_own()
+    spent[0], now[0] = 12.0, 71.0
+    with pytest.raises(BusyMachineError):
+        detector.is_its_own()
+
+
+def test_failure_of_a_record_has_the_last_words_and_is_not_replaced() -> None:
+    process = mock.Mock()
+    process.last_words.return_value = "KeyError: 9"
+    silent = Record(BY_NAME["ramp"])
+    assert completed(silent, process)[1:3] == (SILENT, "KeyError: 9")
+    assert completed(silent._replace(failure=ENDED), process)[1:3] == (ENDED, "KeyError: 9")
+    answered = silent._replace(answers=[(1.9, 0.0)])
+    assert completed(answered, process) == answered
+    with pytest.raises(JudgingError, match="killed"):
+        failure_of(mock.Mock(status=-9))
 
 
 def spending(*times):

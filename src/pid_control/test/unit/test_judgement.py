@@ -12,10 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from pid_control.judging.controller_judgement import is_fatal, judge
-from pid_control.verdicts.batch_page import as_html
+from pid_control.verdicts.batch_page import as_html, as_page_of_student
 from pid_control.judging.diagnosis import FLAWS, cause_of, cause_of_failure
-from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, number
+from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, found, number
 from pid_control.verdicts.limits import LimitsError, merged, read_limits
+from pid_control.judging.evidence import ControllerEvidence, Law
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import (
@@ -27,7 +28,7 @@ from pid_control.judging.record import (
     Pause,
     Record,
 )
-from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table
+from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table, text_cell
 from pid_control.judging.scenarios import BY_NAME
 from played import default_limits, pi, play_all, play_one
 
@@ -45,10 +46,10 @@ def test_merged_replaces_named_limits_only() -> None:
     own = read_limits(
         "steps: {overshoot: 5, rise_time: null}\nwindup:\n  leave_time: 0.1\n", SCENARIO_METRICS
     )
-    found = merged(LIMITS, own)
-    assert (found["steps"]["overshoot"], found["steps"]["rise_time"]) == (5.0, None)
-    assert found["windup"] == {**LIMITS["windup"], "leave_time": 0.1}
-    assert found["nan"] == LIMITS["nan"] and LIMITS["steps"]["overshoot"] == 25.0
+    both = merged(LIMITS, own)
+    assert (both["steps"]["overshoot"], both["steps"]["rise_time"]) == (5.0, None)
+    assert both["windup"] == {**LIMITS["windup"], "leave_time": 0.1}
+    assert both["nan"] == LIMITS["nan"] and LIMITS["steps"]["overshoot"] == 25.0
     assert read_limits("", SCENARIO_METRICS) == {} and merged(LIMITS, {}) == LIMITS
 
 
@@ -60,6 +61,7 @@ def test_merged_replaces_named_limits_only() -> None:
         ("steps: {overshoot: true}", "steps: overshoot: True must be a number"),
         ("steps: {overshoot: .nan}", "steps: overshoot: nan must be a number"),
         ("steps: {overshoot: .inf}", "steps: overshoot: inf must be a number"),
+        (f"steps: {{overshoot: {10**400}}}", "steps: overshoot: 10+ must be a number"),
         ("steps: {overshoot: [1]}", r"steps: overshoot: \[1\] must be a number"),
         ("steps: {overshot: 1}", "steps: overshot: not measured there, but rise_time, overshoot"),
         ("step: {overshoot: 1}", "step: unknown scenario; choose from held, rate, steps"),
@@ -125,6 +127,12 @@ def test_judge_p_controller_reports_no_integral() -> None:
         ({("held", "late"): 1.0}, "steps", "late", "too seldom"),
         ({("held", "late"): 1.0}, "steps", "settling_time", "too seldom"),
         ({("steps", "late"): 1.0}, "steps", "settling_time", "too seldom"),
+        (
+            {("held", "late"): 1.0, ("windup", "leave_time"): 1.0},
+            "windup",
+            "leave_time",
+            "windup or delay",
+        ),
         ({}, "held", "processor", "too slow"),
         ({}, "held", "set_point_response", "unexplained"),
         ({}, "steps", "peak_input", "no clamp"),
@@ -149,6 +157,17 @@ def test_cause_of_returns_the_cause_that_the_figures_show(
     figures: Dict[tuple, Optional[float]], scenario: str, metric: str, flaw: str
 ) -> None:
     assert cause_of(scenario, metric, figures).flaw == flaw
+
+
+def test_cause_of_evidence_decides_between_rivals() -> None:
+    measured = ControllerEvidence(was_measured=True)
+    cause = cause_of("steps", "peak_input", {}, measured)
+    assert cause.sentence == "the input is within -1 and 1, but beyond the limit for it"
+    law = Law(0.08, 1.5, 0.01)
+    winding = measured._replace(was_probed=True, winds_up=True, law=law)
+    for scenario in ("missing", "early", "load"):
+        cause = cause_of(scenario, "recovery_time", {}, winding, lambda *_: False)
+        assert cause.flaw == ("unexplained" if scenario == "load" else "windup")
 
 
 def test_cause_of_every_metric_is_known() -> None:
@@ -197,6 +216,9 @@ def test_judge_machine_clock_is_not_judged() -> None:
     assert (judgement.verdict, judgement.status) == (NOT_JUDGED, 125)
     assert "judge it with --real-time" in judgement.reason
     assert is_fatal(record, LIMITS)
+    # Whatever else it does.
+    both = judge([record, Record(STEPS, ENDED, "KeyError: 9")], LIMITS)
+    assert (both.verdict, both.reason) == (NOT_JUDGED, judgement.reason)
 
 
 def test_judge_division_by_0_with_a_simulated_clock_is_not_judged() -> None:
@@ -237,6 +259,9 @@ def test_judge_no_limit_always_passes_and_float32_rounding_is_tolerated() -> Non
     assert judge([record._replace(answers=answers)], free).verdict == PASSED
     answers = [(time, 1.001) for time, _ in record.answers]
     assert judge([record._replace(answers=answers)], free).flaws() == ["no clamp"]
+    least = {"held": {"kick": 0.5}}
+    assert found("held", "kick", 0.49999999, least, "", is_least=True).passed
+    assert not found("held", "kick", 0.499, least, "", is_least=True).passed
 
 
 def test_number_formats_figures() -> None:
@@ -261,6 +286,8 @@ def test_the_table_fits_a_terminal_and_marks_failures() -> None:
     assert max(map(len, lines)) <= 80
     assert [line.split()[0] for line in lines if line.endswith("FAILED")] == ["windup", "time"]
     assert len(lines) == 1 + sum(map(len, SCENARIO_METRICS.values()))
+    signs = [line.split()[-2] for line in lines if line.startswith(("held", "steps"))]
+    assert signs == [">=", "<="]
 
 
 def test_junit_has_a_case_per_scenario_and_escapes_text() -> None:
@@ -271,7 +298,9 @@ def test_junit_has_a_case_per_scenario_and_escapes_text() -> None:
     failed = [name for name, case in cases.items() if case.find("failure") is not None]
     assert failed == ["windup"] and suite.get("failures") == "1"
     assert suite.get("tests") == str(len(SCENARIO_METRICS))
-    assert "stop it there" in str(cases["windup"].find("failure").text)
+    assert str(cases["windup"].find("failure").text).count("stop it there") == 2
+    crashed = judge([Record(STEPS, ENDED, "\x00")], LIMITS)
+    assert "by itself: ?" in str(ElementTree.fromstring(as_junit(crashed, "x"))[0][0].text)
     none = ElementTree.fromstring(as_junit(judge([], LIMITS, "no <master>"), "x"))
     assert (none.get("tests"), none.get("errors")) == ("1", "1")
     assert none[0].find("error").get("message") == "no <master>"
@@ -287,6 +316,7 @@ def test_csv_has_a_row_per_controller_and_escapes_formulas() -> None:
     assert [row["controller"] for row in rows] == ["'=1+1", "b"]
     assert (rows[0]["verdict"], rows[0]["flaws"]) == ("failed", "windup")
     assert float(rows[0]["windup.leave_time"]) > 0.5 and rows[1]["windup.leave_time"] == ""
+    assert [text_cell(one) for one in ("\ra", "\ta", "a\r")] == ["'\ra", "'\ta", "a\r"]
 
 
 def test_the_picture_shows_every_scenario_and_marks_failures() -> None:
@@ -316,6 +346,13 @@ def heights_of_input(record: Record) -> List[float]:
     return [float(point.split(",")[1]) for point in points]
 
 
+def test_picture_of_a_scenario_that_failed_shows_it_until_then() -> None:
+    record = play_one("ramp", pi())._replace(failure=ENDED)
+    svg = as_svg([record], "title", [])
+    assert svg.count("<polyline") == 3
+    assert float(ElementTree.fromstring(svg).get("height", "0")) > 200.0
+
+
 def test_picture_shows_an_input_far_beyond_the_limit_of_the_motor() -> None:
     record = play_one("windup", pi(output_min=-255.0, output_max=255.0, anti_windup="none"))
     heights = heights_of_input(record)
@@ -340,6 +377,11 @@ def test_batch_page_counts_verdicts_and_escapes_html() -> None:
     assert '<a href="c%20d.svg">svg</a> <a href="c.txt">txt</a>' in page
     assert "<script>" not in page and "a/&lt;b&gt;" in page
     assert '<td class="not-judged">not judged</td>' in page
+
+
+def test_page_of_a_student_who_passed_has_no_reason() -> None:
+    row = {"controller": "a", "verdict": PASSED, "flaws": "", "why": ""}
+    assert '<p class="passed">passed</p>' in as_page_of_student(row, "controller", "", [])
 
 
 def test_every_metric_has_a_label() -> None:

@@ -66,6 +66,17 @@ def test_rise_and_settling_time_unreached_are_infinite() -> None:
     assert figure(record, "rise_time") == math.inf
     assert figure(record, "settling_time") == math.inf
     assert figure(record, "steady_error") == pytest.approx(5.0)
+    above = rows_of(lambda time: 12.0 if time < 1.0 else 6.0)
+    assert figure(above, "steady_error") == pytest.approx(2.0)
+    late = rows_of(lambda time: (0.0 if time < 0.5 else 10.0) if time < 1.0 else 6.0)
+    assert figure(late, "rise_time") == 0.0
+
+
+def test_tracking_error_and_chatter_are_those_of_the_end() -> None:
+    answers = [(index * 0.01, float(index < 100) * (index % 2)) for index in range(200)]
+    record = rows_of(lambda time: 0.0 if time < 1.0 else 5.5)._replace(answers=answers)
+    assert figure(record, "tracking_error") == pytest.approx(0.5)
+    assert figure(record, "chatter") == 0.0
 
 
 def test_the_overshoot_is_that_of_the_worst_step() -> None:
@@ -168,6 +179,13 @@ def test_both_responses_and_their_signs() -> None:
     assert figure(deaf, "set_point_response") == pytest.approx(0.1)
 
 
+def test_response_of_a_constant_input_is_0_and_unknown_at_a_limit() -> None:
+    for value, response in ((0.5, 0.0), (-1.0, None)):
+        constant = play_one("held", lambda value=value: lambda point, output: value)
+        assert figure(constant, "set_point_response") == response
+        assert figure(constant, "output_response") == response
+
+
 @pytest.mark.parametrize("ki", [27.0, 73.0, 300.0])
 def test_responses_of_a_large_integral_gain_are_measured(ki: float) -> None:
     record = play_one("held", pi(kp=0.5, ki=ki))
@@ -224,6 +242,9 @@ def test_standstill_jump_without_proportion_to_the_pauses_is_not_measured() -> N
     record = play_one("rate", pi())
     assert figure(jumped(record, 0.2, 0.2), "standstill_jump") is None
     assert figure(jumped(record, 0.2, 0.0), "standstill_jump") is None
+    first, second = record.pauses
+    longer = record._replace(pauses=[first, second._replace(length=3.0 * first.length)])
+    assert figure(jumped(longer, 0.2, 0.6), "standstill_jump") == pytest.approx(0.2, abs=0.01)
 
 
 def test_standstill_answers_and_rest_are_those_of_the_pause() -> None:
@@ -239,6 +260,7 @@ def test_leave_time_counts_from_the_limit_of_the_controller_on_either_side() -> 
         bad = play_one("windup", pi(anti_windup="none", **settings))
         assert figure(bad, "leave_time") > 0.5
         assert figure(play_one("windup", pi(**settings)), "leave_time") < 0.02
+    assert figure(play_one("windup", pi(kp=0.0, ki=0.0)), "leave_time") == 0.0  # it has none
 
 
 def test_recovery_is_counted_from_the_event() -> None:

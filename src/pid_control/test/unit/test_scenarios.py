@@ -9,6 +9,7 @@ from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.judging.scenarios import (
     BY_NAME,
     LITTLE,
+    MOTOR,
     SLOW_STEP_S,
     STEP_S,
     Scenario,
@@ -81,6 +82,9 @@ def test_set_points_arrive_at_100_hz_and_outputs_with_each_step() -> None:
     assert [one.set_point is not None for one in sent] == [i % 5 == 0 for i in range(51)]
     assert all(one.output is not None for one in sent)
     assert sent[50].output.time == pytest.approx(1.0 + 50 * STEP_S)
+    # What a slow clock leaves out is not made up for.
+    sent = sent_at(scenario, 0.0, 0.07, 0.072, 0.08)
+    assert [one.set_point is not None for one in sent] == [True, True, False, True]
 
 
 def test_restarted_motor_is_silent_and_starts_at_zero() -> None:
@@ -121,6 +125,9 @@ def test_noise_is_measured_and_does_not_move_the_motor() -> None:
     deviation = math.sqrt(sum(value**2 for value in heard) / len(heard))
     assert deviation == pytest.approx(0.1, rel=0.15)
     assert {row.speed for row in experiment.rows} == {0.0}
+    # Each controller has the same noise.
+    again = sent_at(BY_NAME["noise"], *(index * STEP_S for index in range(400)))
+    assert [one.output.speed for one in again] == heard
 
 
 def test_the_motor_follows_its_input_its_load_and_nothing_that_is_not_finite() -> None:
@@ -132,6 +139,14 @@ def test_the_motor_follows_its_input_its_load_and_nothing_that_is_not_finite() -
     experiment.send(1.0)
     assert experiment.send(1.9).output.speed == pytest.approx(13.1 * 0.3, abs=1e-3)
     assert experiment.rows[-1].input == 0.5
+
+
+def test_other_motors_are_as_they_are_called() -> None:
+    slower, faster = BY_NAME["slower"].motor, BY_NAME["faster"].motor
+    assert slower.gain < MOTOR.gain < faster.gain
+    assert slower.time_constant > MOTOR.time_constant > faster.time_constant
+    has_motor = {name: Experiment(one, 0.0).has_motor for name, one in BY_NAME.items()}
+    assert [name for name, has in has_motor.items() if not has] == ["early"]
 
 
 def test_the_clock_becomes_slow() -> None:

@@ -327,8 +327,8 @@ def cause_of_failure(record: Record) -> Cause:
     if record.failure == SILENT:
         return Cause("silent", f"the controller sends nothing on motor_input{words}")
     assert record.failure == NOT_CONNECTED, record.failure
-    missing = " and ".join(name for name in record.missing if name != "motor_input")
     hint = f"; {record.hint}" if record.hint else ""
     if "motor_input" in record.missing:
         return Cause("silent", f"the controller does not publish motor_input{hint}{words}")
+    missing = " and ".join(record.missing)
     return Cause("not connected", f"the controller does not subscribe to {missing}{hint}{words}")

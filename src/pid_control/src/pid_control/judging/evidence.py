@@ -180,10 +180,7 @@ def _with_limits(evidence: ControllerEvidence, record: Record) -> ControllerEvid
     left = leave_times(record)
     stays = [end - begin for begin, end, _ in STAYS]
     # The longer stay is first: a delay that grows with time cannot explain it.
-    grown = [
-        left[i] - left[i + 1] > _GROWN * (stays[i] - stays[i + 1]) and math.isfinite(left[i + 1])
-        for i in (0, 2)
-    ]
+    grown = [left[i] - left[i + 1] > _GROWN * (stays[i] - stays[i + 1]) for i in (0, 2)]
     evidence = evidence._replace(winds_up=any(grown))
     ends: List[float] = []
     for _, end, sign in STAYS:

@@ -74,7 +74,7 @@ def value_at(corners: Corners, time: float) -> float:
         before = corner
     else:
         return before[1]
-    if before[0] > time or corner[0] == before[0]:
+    if corner[0] == before[0]:
         return before[1]
     share = (time - before[0]) / (corner[0] - before[0])
     return before[1] + share * (corner[1] - before[1])

@@ -4,7 +4,7 @@ import os
 import pathlib
 import sys
 import time
-from typing import List
+from typing import Any, List, Tuple
 
 import pytest
 
@@ -78,6 +78,20 @@ def test_needs_build_depends_on_cmake_commands(
     assert not batch._needs_build(str(tmp_path))
     (tmp_path / "CMakeLists.txt").write_text("project(x)\n" + text + "\n")
     assert batch._needs_build(str(tmp_path)) is needs
+
+
+def test_finder_of_a_program_prefers_its_source_and_names_it_exactly(
+    tmp_path: pathlib.Path,
+) -> None:
+    package, built = tmp_path / "x", tmp_path / "ws" / "devel" / "lib" / "x"
+    for folder in (package, built):
+        folder.mkdir(parents=True)
+        (folder / "pid").write_text("")
+    finder = ProgramFinder("pid", ["_kp:=1"], SCENARIO_METRICS)
+    assert finder.words(str(package), str(tmp_path / "ws")) == [str(package / "pid"), "_kp:=1"]
+    for text, builds in (("add_executable(pid_2 x.cpp)", False), ("add_executable( pid x)", True)):
+        (package / "CMakeLists.txt").write_text(text)
+        assert finder.is_built_by(str(package)) is builds
 
 
 def test_first_error_returns_line_and_next_line() -> None:
@@ -155,6 +169,76 @@ def test_batch_judges_a_program_that_the_build_creates(
     batch.Batch(str(tmp_path / "class"), program("program"), [], str(output), 10.0).run()
     said = (output / "x.txt").read_text()
     assert said.startswith("judged: ") and said.endswith("/workspace/devel/lib/x/program\n")
+
+
+def test_batch_judge_has_its_own_folder_and_package_and_time_beyond_its_limit(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    package, output = tmp_path / "class" / "x", tmp_path / "out"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("")
+    (package / "controller.py").write_text("")
+    (package / "CMakeLists.txt").write_text("generate_messages()\n")
+    calls: List[Tuple[Any, ...]] = []
+
+    def run(*call: Any) -> Tuple[str, int]:
+        calls.append(call)
+        assert os.path.isdir(call[2]["TMPDIR"])
+        return "first\nlast\n", 125
+
+    monkeypatch.setattr(batch, "build", lambda *_: (str(tmp_path / "ws"), ["in a second attempt"]))
+    monkeypatch.setattr(batch, "run_bounded", run)
+    batch.Batch(str(tmp_path / "class"), program(), ["--only", "x"], str(output), 10.0).run()
+    [(command, longest, environment)] = calls
+    assert command[-3:] == ["--workspace", str(tmp_path / "ws"), str(package / "controller.py")]
+    assert longest > 10.0 and environment["TMPDIR"] != os.environ.get("TMPDIR")
+    assert environment["ROS_PACKAGE_PATH"].split(os.pathsep)[0] == str(package)
+    assert (output / "x.txt").read_text() == "note: in a second attempt\nfirst\nlast\n"
+    assert "x,not judged,,last," in (output / "class.csv").read_text()
+    overview = (output / "class.html").read_text()
+    assert 'href="x.html"' in overview and 'href="x.txt"' in overview
+    assert "<img" not in (output / "x.html").read_text()
+
+
+def test_batch_builds_a_package_whose_sibling_must_be_built(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    put_catkin_make(tmp_path, monkeypatch, "error: of a sibling", 1)
+    for name, depends in (("pid", "<depend>own_msgs</depend>"), ("own_msgs", "")):
+        package = tmp_path / "class" / "anna" / name
+        package.mkdir(parents=True)
+        (package / "package.xml").write_text(f"<package><name>{name}</name>{depends}</package>")
+    (tmp_path / "class" / "anna" / "pid" / "controller.py").write_text("")
+    (package / "CMakeLists.txt").write_text("find_package(pid_control)\ngenerate_messages()\n")
+    output = tmp_path / "out"
+    batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run()
+    assert "it does not build: error: of a sibling" in (output / "class.csv").read_text()
+    with pytest.raises(NothingToJudge):
+        batch.build(str(tmp_path / "class"), str(tmp_path / "scratch"), [str(package)])
+    added = tmp_path / "scratch" / "workspace" / "src" / "pid_control"  # the sibling uses it
+    assert added.exists()
+
+
+def test_batch_without_a_package_names_each_entry(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    (tmp_path / "x.pdf").write_text("")
+    assert batch.Batch(str(tmp_path), program(), [], str(tmp_path / "out"), 10.0).run() == 125
+    assert capsys.readouterr().out.startswith("x.pdf: not judged: it is neither a folder nor")
+    assert not (tmp_path / "out").exists()
+
+
+def test_run_bounded_interrupted_ends_the_command(monkeypatch: "pytest.MonkeyPatch") -> None:
+    started: List[Any] = []
+
+    def communicate(process: Any, timeout: float = 0.0) -> None:
+        started.append(process)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(batch.subprocess.Popen, "communicate", communicate)
+    with pytest.raises(KeyboardInterrupt):
+        run_bounded(["sleep", "60"], 50.0, dict(os.environ))
+    assert started[0].poll() is not None
 
 
 def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -289,7 +373,7 @@ def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
         ["Cleo", "g3", "not judged"],
     ]
     page = (output / "g1.html").read_text()
-    assert "<h1>Anna g1</h1>" in page and "judged: &lt;it&gt;" in page
+    assert "<h1>Anna g1</h1>" in page and "judged: &lt;it&gt;" in page and "<it>" not in page
     assert "nothing handed in" in (output / "g3.html").read_text()
     assert "<th>student</th>" in (output / "class.html").read_text()
 

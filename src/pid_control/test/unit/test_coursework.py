@@ -5,8 +5,8 @@ from typing import Any, Dict, List
 from unittest import mock
 
 import pytest
-from geometry_msgs.msg import Vector3Stamped
-from std_msgs.msg import Float32, Float32MultiArray, String
+from geometry_msgs.msg import TwistStamped, Vector3Stamped
+from std_msgs.msg import Bool, Float32, Float32MultiArray, String
 
 from pid_control.programs.node_queries import NodeTopics
 from pid_control.programs.program_command import CommandError
@@ -23,7 +23,8 @@ from pid_control.signal_runner.message_numbers import numbers_in
 from pid_control.judging.record import Pause
 from pid_control.signal_runner.node_pair import choose_pair, describe_topics
 from pid_control.signal_runner.signal_session import SignalSession
-from pid_control.signal_runner.trial import Trial
+from pid_control.signal_runner import trial as trial_module
+from pid_control.signal_runner.trial import Trial, TrialError
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 ENVIRONMENT = {"PATH": "/usr/bin:/bin"}
@@ -113,6 +114,23 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     found = find_coursework(folder, [], dict(ENVIRONMENT))
     assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
     assert found.missing == "the package has no launch file"
+    (tmp_path / "scripts" / "gen_tools.py").write_text("")  # no node
+    for programs in ([], ["sin_gen.py", "my_process.py"]):
+        found = find_coursework(folder, [], dict(ENVIRONMENT), programs)
+        assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
+
+
+def test_find_coursework_keeps_remappings_and_leaves_parameters_of_others(
+    tmp_path: pathlib.Path,
+) -> None:
+    launch = """<node pkg="anna" type="signal.py" name="signal"><remap from="x" to="y"/></node>
+      <node pkg="rqt_plot" type="rqt_plot" name="plot"><param name="rate" value="5"/></node>
+      <param name="gain" value="2"/>"""
+    folder = package(tmp_path, {"a.launch": launch + node("process.py")}, "signal.py", "process.py")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert found.parameters == {"/gain": 2}
+    assert found.nodes[1].command.argv[-1] == "x:=y"
+    assert "ROS_NAMESPACE" not in good("sine_classes").nodes[0].command.environment
 
 
 def test_find_coursework_moves_private_parameters_from_arguments(tmp_path: pathlib.Path) -> None:
@@ -179,6 +197,8 @@ def test_names_in_source_have_their_numeric_default() -> None:
 def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) -> None:
     folder = package(tmp_path, {}, "process.py", "talker.py")
     assert not has_coursework(folder)
+    (tmp_path / "scripts" / "process_signal.py").write_text("")  # one node is not two
+    assert not has_coursework(folder)
     (tmp_path / "scripts" / "signal_generator.cpp").write_text("")
     assert has_coursework(folder) and CourseworkFinder([]).is_in(folder)
     assert CourseworkFinder(["a.launch"]).words(folder, None) == [folder, "a.launch"]
@@ -191,6 +211,12 @@ def test_files_of_a_package_are_found() -> None:
         "rectifier.yaml",
     ]
     assert len(launch_files(folder)) == 1
+
+
+def test_hidden_yaml_files_are_not_of_the_coursework(tmp_path: pathlib.Path) -> None:
+    for name in (".travis.yml", "values.yml"):
+        (tmp_path / name).write_text("a: 1")
+    assert yaml_files(str(tmp_path)) == [str(tmp_path / "values.yml")]
 
 
 def test_package_folder_names_the_missing_file(tmp_path: pathlib.Path) -> None:
@@ -210,7 +236,11 @@ def test_numbers_in_messages_of_any_depth() -> None:
     assert numbers_in(Float32MultiArray(data=[1.0] * 99)) == {
         f"data[{index}]": 1.0 for index in range(8)
     }
-    assert numbers_in(String("x")) == {}
+    assert numbers_in(String("x")) == numbers_in(Bool(True)) == {}
+    assert {name for name in numbers_in(TwistStamped()) if "x" in name} == {
+        "twist/linear/x",
+        "twist/angular/x",
+    }
 
 
 def topics(published: Dict[str, str], subscribed: Dict[str, str]) -> NodeTopics:
@@ -225,6 +255,24 @@ def test_pair_is_found_by_topics_and_types_not_by_names() -> None:
     assert found is not None and (found.generator, found.process) == (one, other)
     assert (dict(found.inputs), dict(found.outputs)) == ({"/s": "F", "/t": "F"}, {"/p": "F"})
     assert dict(found.others) == {"/z": "F"}
+    # A topic of both is no output; a node that accepts any type is connected.
+    b = topics({"/p": "F", "/t": "F"}, {"/s": "*"})
+    found = choose_pair([one, other], {one.global_name: a, other.global_name: b})
+    assert found is not None and (dict(found.inputs), dict(found.outputs)) == (
+        {"/s": "F"},
+        {"/p": "F"},
+    )
+
+
+def test_pair_of_nodes_that_receive_each_other_is_chosen_by_name() -> None:
+    process, generator = good("included_arguments").nodes
+    found = {
+        process.global_name: topics({"/p": "F"}, {"/s": "F"}),
+        generator.global_name: topics({"/s": "F"}, {"/p": "F"}),
+    }
+    for nodes in ([process, generator], [generator, process]):
+        pair = choose_pair(nodes, found)
+        assert pair is not None and pair.process is process
 
 
 def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
@@ -272,8 +320,42 @@ def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
     trial._running["/a"] = mock.Mock()
     begin = trial.now
     monkeypatch.setattr("time.monotonic", iter([7.0, 7.5]).__next__)
+    process = trial._running["/a"]
     trial.stop_node(mock.Mock(global_name="/a"))
     assert trial.now - begin == pytest.approx(passed)
+    process.end.assert_called_once_with()
+
+
+def test_trial_names_its_busiest_node_and_ends_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("time.sleep", mock.Mock())
+    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
+    for name, times in (("/a", [0.5, 0.6]), ("/b", [0.0, 0.3])):
+        process = mock.Mock(status=None, writes_without_end=False)
+        process.processor_time.side_effect = times
+        trial._running[name] = process
+    with pytest.raises(TrialError) as error:
+        trial._check(True)
+    assert (error.value.flaw, error.value.node) == ("flood", "/b")
+    trial.__exit__(None, None, None)
+    for process in trial._running.values():
+        process.end.assert_called_once_with()
+
+
+def test_trial_starts_its_nodes_in_the_group_and_lists_all_their_topics(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start = mock.Mock()
+    monkeypatch.setattr(trial_module, "ProgramProcess", start)
+    bench = mock.Mock()
+    bench.topics_of.return_value = topics({"/group/s": "F"}, {"/t": "F"})
+    one = good("sine_classes").nodes[0]
+    trial = Trial(bench, mock.Mock(), [one], {}, 0.0, group="/group")
+    trial.start_node(one)
+    assert start.call_args[0][0].argv[-2:] == ["__name:=processor", "__ns:=/group/lab"]
+    monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
+    monkeypatch.setattr(trial, "run", mock.Mock())
+    assert trial.topics([one]) == ["/group/s", "/t"]
+    bench.topics_of.assert_called_with("/group/lab/processor")
 
 
 @pytest.mark.parametrize(
@@ -304,3 +386,4 @@ def test_distorted_record_is_repeated_twice_at_most(
     session._repeat_if_distorted(next(records), mock.Mock())
     assert next(records, None) is None
     assert bool(session.notes) is is_noted
+    assert not is_noted or "its distortion was 0.50" in session.notes[0]

@@ -243,7 +243,11 @@ def test_unread_parameter_beside_one_of_its_role_is_not_blamed() -> None:
 def test_no_parameter_is_hard_coded_unless_hidden_ones_are_read() -> None:
     found = evidence(tried=[])
     judgement = judged(found)
-    assert judgement.flaws() == ["hard-coded"] and len(judgement.failures) == 2
+    assert judgement.flaws() == ["hard-coded"]
+    assert [failure.cause.sentence for failure in judgement.failures] == [
+        f"no parameter affects the {node}: its values are in the code"
+        for node in (GENERATOR, PROCESS)
+    ]
     found.parameters = ParameterResults([], {GENERATOR, PROCESS}, {}, False)
     judgement = judged(found)
     assert judgement.verdict == PASSED
@@ -257,6 +261,38 @@ def test_free_running_output_and_lost_restart_are_named() -> None:
     assert "computed from a clock, not from the messages" in cause(found)
     found.restart = found.restart._replace(oscillates=False, after=None)
     assert "no output follows the signal" in cause(found)
+    assert found.baseline is not None and found.baseline.features.process is not None
+    moved = found.baseline.features.process._replace(offset=1.5)
+    found.restart = found.restart._replace(after=moved)
+    assert "after a restart of the generator the output differs" in cause(found)
+
+
+@pytest.mark.parametrize("node", [GENERATOR, PROCESS])
+def test_nan_is_blamed_on_the_node_that_sends_it(node: str) -> None:
+    found = evidence()
+    assert found.baseline is not None
+    name = "signal" if node == GENERATOR else "output"
+    sent = getattr(found.baseline, name)
+    wrong = sent._replace(values=[math.nan, *sent.values[1:]])
+    found.baseline = found.baseline._replace(**{name: wrong})
+    assert cause(found).startswith(f"the {node} sends NaN")
+
+
+def test_value_of_two_parameters_of_a_role_is_unknown() -> None:
+    one = ParameterEffect("/a", 2.0, "amplitude", {GENERATOR}, is_predicted=True)
+    for tried, value in (([one], ("/a", 2.0)), ([one, one._replace(name="/b")], None)):
+        assert ParameterResults(tried, set(), {}, True).value_of(GENERATOR, "amplitude") == value
+
+
+def test_distortion_is_that_of_the_signal_or_else_of_the_output() -> None:
+    found = evidence().baseline
+    assert found is not None and found.features.process is not None
+    good = found.features
+    assert good.distortion < 0.01
+    assert good._replace(process=None).distortion == 1.0
+    assert good._replace(process=good.process._replace(distortion=0.3)).distortion == 0.3
+    square = evidence(signal=lambda time: math.copysign(1.0, math.sin(2.0 * time))).baseline
+    assert square is not None and 0.1 < square.features.distortion < 1.0
 
 
 def test_yaml_namespace_and_launch_name_the_source() -> None:
@@ -267,6 +303,8 @@ def test_yaml_namespace_and_launch_name_the_source() -> None:
     found = evidence()
     found.outside = ["/signal", "/time"]
     assert cause(found).startswith("/signal, /time stay outside the namespace")
+    found.outside = ["/signal"]
+    assert cause(found).startswith("/signal stays outside the namespace")
     found = evidence()
     found.missing = "it has none"
     assert cause(found) == "no launch file starts both nodes: it has none"
@@ -297,6 +335,7 @@ def test_too_short_record_cannot_be_judged() -> None:
     found.parameters = found.restart = None
     judgement = judge(found, LIMITS, ["signal", "process"])
     assert judgement.verdict == NOT_JUDGED
+    assert judge(found, LIMITS, ["launch"]).verdict == PASSED  # needs no signal
     # Nor can a ramp, which may be a slow sine.
     ramp = judge(evidence(signal=lambda time: time), LIMITS, ["signal", "process"])
     assert ramp.reason == judgement.reason
@@ -329,7 +368,7 @@ def test_flaws_are_sorted_and_each_cause_has_its_place() -> None:
 
 
 def test_frequency_error_takes_rad_per_s_or_hz() -> None:
-    assert frequency_error(2.0, 2.0) == 0.0
+    assert frequency_error(2.0, 2.0) == frequency_error(2.0, -2.0) == 0.0
     assert frequency_error(4.0 * math.pi, 2.0) == pytest.approx(0.0)
     assert frequency_error(3.0, 2.0) == pytest.approx(1.0 / 3.0)
 
@@ -338,6 +377,16 @@ def test_picture_shows_both_channels_or_a_note() -> None:
     text = as_picture(evidence(), "anna & ben: passed")
     ElementTree.fromstring(text)
     assert "/signal/data" in text and "/proc_signal/data" in text and "anna &amp; ben" in text
+    # The output is held; the time counts from the first message, to the end of the restart.
+    curves = [part.split('"')[0].split() for part in text.split('points="')[1:]]
+    assert len(curves[-1]) > 1.9 * len(curves[0]) and "15 s" not in text
+    found = evidence()
+    assert found.baseline is not None and found.restart is not None
+    for name, duration in (("baseline", 10.0), ("restart", 20.0)):
+        later = {one: channel(f"/{one}", math.sin, 100.0, duration) for one in ("signal", "output")}
+        setattr(found, name, getattr(found, name)._replace(**later))
+    text = as_picture(found, "x")
+    assert ">15 s<" in text and "100 s" not in text
     nothing = as_picture(CourseworkEvidence(), "x")
     ElementTree.fromstring(nothing)
     assert "nothing was received" in nothing

@@ -27,6 +27,7 @@ from pid_control.commands import judge_signals, judging_command
         (["--class", "{folder}"], "no package in {folder}"),
         (["--workspace", "{folder}", "x"], "not a built workspace"),
         (["--picture", "x.png", "x"], "'x.png' does not end in .svg"),
+        (["--picture", "{folder}/no/x.SVG", "x"], "{folder}/no/x.SVG: No such file"),
         (["--csv", "{folder}/no/x.csv", "x"], "judge_signals: {folder}/no/x.csv: No such file"),
     ],
 )

@@ -5,6 +5,7 @@ import socket
 import threading
 import xmlrpc.server
 from typing import Any, Iterator
+from unittest import mock
 
 import pytest
 
@@ -16,7 +17,7 @@ from pid_control.runner import test_bench
 def node_that_replies(reply: Any) -> Iterator[str]:
     """Serve a node that has this reply to any question; give its URI."""
     server = xmlrpc.server.SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
-    for method in ("getPublications", "getSubscriptions"):
+    for method in ("getPublications", "getSubscriptions", "getBusInfo"):
         server.register_function(lambda _caller: reply, method)
     thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
     thread.start()
@@ -28,7 +29,27 @@ def node_that_replies(reply: Any) -> Iterator[str]:
         server.server_close()
 
 
+def test_ask_links_returns_connected_inputs() -> None:
+    links = [
+        [1, "/a", "i", "TCPROS", "/heard", True],
+        [2, "/a", "o", "TCPROS", "/said", True],
+        [3, "/a", "i", "TCPROS", "/lost", False],
+        [4, "/a", "i", "TCPROS", "/old"],
+    ]
+    with node_that_replies([1, "", links]) as uri:
+        assert node_queries.ask_links("/judge", uri) == {"/heard", "/old"}
+
+
 def test_ask_types_returns_the_types_that_nodes_have() -> None:
+    server = mock.MagicMock()
+    proxy = server.return_value.__enter__.return_value
+    proxy.getPublications.return_value = [1, "", [["/u", "a/U"]]]
+    proxy.getSubscriptions.return_value = [1, "", [["/y", "a/Y"]]]
+    with mock.patch("xmlrpc.client.ServerProxy", server):
+        assert test_bench.ask_types({"/anna": "x"}) == ({"/u": "a/U", "/y": "a/Y"}, [])
+
+
+def test_ask_types_reads_the_answers_of_a_node() -> None:
     with node_that_replies([1, "", [["/set_point", "anna/set_point"]]]) as uri:
         assert test_bench.ask_types({"/anna": uri}) == ({"/set_point": "anna/set_point"}, [])
 

@@ -127,6 +127,7 @@ def test_changed_nodes_names_nodes_with_different_features(
         ("amplitude", GENERATOR, (5.0, 6.0), with_sine(amplitude=2.0), False),
         ("frequency", GENERATOR, (5.0, 6.0), with_sine(frequency=3.6), True),
         ("offset", GENERATOR, (0.0, 0.5), with_sine(offset=0.5), True),
+        ("offset", GENERATOR, (1.0, 1.5), with_sine(offset=0.5), True),
         ("offset", GENERATOR, (0.0, 0.5), BEFORE, False),
         ("phase", GENERATOR, (0.0, 0.5), with_sine(phase=0.6), False),
         ("rate", GENERATOR, (10, 20), BEFORE._replace(signal=SignalFeatures(20.0, None)), True),

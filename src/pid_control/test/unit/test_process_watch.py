@@ -57,11 +57,17 @@ def say(process: Watched, line: bytes) -> None:
 def test_is_idle_new_computing_thread_is_detected(computing: Watched) -> None:
     say(computing, b"rest\n")
     assert computing.watch.wait_idle(30.0)
+    descriptors = len(os.listdir("/proc/self/fd"))
     say(computing, b"work\n")
     assert not computing.watch.is_idle()
     assert not computing.watch.wait_idle(0.2)
     say(computing, b"rest\n")
     assert computing.watch.wait_idle(30.0)
+
+    def has_closed() -> bool:
+        return computing.watch.is_idle() and len(os.listdir("/proc/self/fd")) <= descriptors
+
+    wait_until(has_closed, lambda: "the file of the ended thread is open")
 
 
 def test_busy_counts_processor_time(computing: Watched) -> None:

@@ -24,6 +24,11 @@ def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
         (tmp_path / folder / "controller.py").write_text("")
     found = [str(tmp_path / "scripts" / "controller.py")]
     assert find_files(str(tmp_path), "controller.py") == found
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "controller.py").write_text("")
+    (tmp_path / "scripts" / "controller.py").chmod(0o755)
+    found.append(str(tmp_path / "a" / "controller.py"))
+    assert find_files(str(tmp_path), "controller.py") == found
 
 
 @pytest.mark.parametrize(
@@ -75,6 +80,7 @@ def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.P
         </launch>"""
     )
     target = find_controller([str(launch)], "controller")
+    assert find_controller([str(launch)], "/loop/controller") == target
     parameters = target.parameters.items()
     assert parameters >= {"/limit": 1.0, "/loop/controller/kp": 0.5}.items()
     assert not parameters & target.of_others.items()
@@ -102,6 +108,12 @@ STARTS = f"#!{sys.executable}\n".encode()
             b"#!/usr/bin/no_python\n",
             0o755,
             ["interpreter not found (/usr/bin/no_python)"],
+        ),
+        (
+            "controller.py",
+            b"#!/usr/bin/env -S A=1 python\n",
+            0o755,
+            ["interpreter not found (python)"],
         ),
         ("controller.py", STARTS, 0o644, ["not executable"]),
         ("controller", STARTS, 0o644, ["not executable"]),
@@ -176,7 +188,14 @@ def test_find_controller_of_launch_file_starts_python_node(
     launch = tmp_path / "anna.launch"
     launch.write_text('<launch><node pkg="anna" type="controller.py" name="control"/></launch>')
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path), prepend=os.pathsep)
-    command = find_controller([str(launch)])
+    devel = tmp_path / "devel"
+    devel.mkdir()
+    (devel / "env.sh").write_text('#!/bin/sh\nFROM=devel exec "$@"\n')
+    (devel / "env.sh").chmod(0o755)
+    before = dict(os.environ)
+    command = find_controller([str(launch)], workspace=str(devel))
+    assert os.environ == before
+    assert (command.package, command.environment["FROM"]) == (str(tmp_path), "devel")
     assert command.argv[:3] == [sys.executable, str(program), "__name:=control"]
     problem = "interpreter not found (no_python)"
     assert command.notes == [f"{program}: {problem}; started with python3"]
@@ -200,6 +219,7 @@ LAUNCH = """<launch>
   <node pkg="no_such_package" type="plot" name="plot"/>
   <node pkg="anna" type="controller.py" name="mine" args="--fast">
     <param name="rate" value="50"/>
+    <env name="MODE" value="fast"/>
     <remap from="set_point" to="wanted"/>
   </node>
 </launch>"""
@@ -209,13 +229,26 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
     tmp_path: pathlib.Path,
 ) -> None:
     program = package_with_launch_file(tmp_path, LAUNCH)
+    program.chmod(0o644)
+    before = dict(os.environ)
     command = find_controller([str(program)])
+    assert os.environ == before and command.environment["MODE"] == "fast"
     own = {"/kp": 0.5, "/ki": 2.0, "/mine/rate": 50}
     assert command.parameters.items() >= own.items()
-    assert command.argv == [str(program), "--fast", "__name:=mine", "set_point:=wanted"]
+    start = [sys.executable, str(program)]
+    assert command.argv == [*start, "--fast", "__name:=mine", "set_point:=wanted"]
     launch = tmp_path / "launch" / "loop.launch"
-    assert command.notes == [f"{launch}: its parameters and names for /mine are used"]
+    assert command.notes == [
+        f"{program}: not executable; started with python3",
+        f"{launch}: its parameters and names for /mine are used",
+    ]
     assert command.package == str(tmp_path)
+
+
+def test_find_controller_only_node_of_a_launch_file_is_taken(tmp_path: pathlib.Path) -> None:
+    launch = tmp_path / "one.launch"
+    launch.write_text('<launch><node pkg="pid_control" type="system.py" name="mine"/></launch>')
+    assert find_controller([str(launch)]).name == f"{launch} /mine"
 
 
 def test_find_controller_program_keeps_its_arguments(tmp_path: pathlib.Path) -> None:

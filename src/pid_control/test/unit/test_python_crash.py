@@ -9,6 +9,7 @@ from typing import List
 import pytest
 
 from nodekit.testing.waiting import wait_until
+from pid_control.programs import program_process
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.programs.python_crash import crash_in
@@ -94,6 +95,29 @@ def test_last_words_of_program_without_package_name_its_folder_only(
     assert words == "KeyError: 'kp' (controller.py, line 4)"
 
 
+def test_last_words_of_running_program_are_its_last_line_however_much_it_writes(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(program_process, "_TOO_MUCH", 200_000)
+    descriptors = len(os.listdir("/proc/self/fd"))
+    text = """import os, sys, time
+for _ in range(30):
+    print("x" * 10_000)
+print('  File "a.py", line 1\\nKeyError: 9\\n' + os.environ["WHO"], flush=True)
+time.sleep(60)
+"""
+    command = ProgramCommand("x", [sys.executable, "-c", text], {"WHO": "command"}, {}, {})
+    controller = ProgramProcess(command, {"WHO": "judge"})
+    try:
+        wait_until(lambda: controller.last_words() == "judge", controller.last_words)
+        assert controller.writes_without_end
+    finally:
+        controller.end()
+        controller.watch.close()
+    assert controller.status is not None
+    assert len(os.listdir("/proc/self/fd")) == descriptors
+
+
 FRAME = '  File "{path}", line {line}\n'
 
 
@@ -117,5 +141,6 @@ def test_crash_in_returns_latest_exception(
     output = "".join(lines).format(path=program, line=7)
     place = " (controller.py, line 7)" if says else ""
     assert crash_in(output, [program]) == says + place
-    installed = output.replace(program, "/usr/lib/python3/dist-packages/rospy/core.py")
-    assert crash_in(installed, [program]) == says
+    for place in ("/usr/lib/python3/dist-packages", f"{package}/venv/lib/site-packages"):
+        installed = output.replace(program, f"{place}/rospy/core.py")
+        assert crash_in(installed, [program]) == says

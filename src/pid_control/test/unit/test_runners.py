@@ -1,22 +1,21 @@
 """Runners of submissions, without their processes."""
 
+import itertools
 import threading
-from typing import Any, List
+from typing import Any, Dict, List, Optional
 from unittest import mock
 
 import pytest
 
-from pid_control.judging.plant_log import PlantLog
-from pid_control.judging.scenarios import BY_NAME
-from pid_control.msg import motor_input, motor_output
+from pid_control.judging.record import ENDED, NOT_CONNECTED, RESTLESS, Pause, Record
+from pid_control.judging.scenarios import BY_NAME, Scenario
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import bench_runner, clock, gains_judgement, test_bench
 from pid_control.runner.bench_runner import BenchRunner
 from pid_control.runner.gains_judgement import judge_gains
-from pid_control.runner.real_plant import RealPlant
-from pid_control.signal_judging.evidence import FailedTrial
-from pid_control.signal_runner.signal_bench import SignalBench
-from pid_control.signal_runner.signal_session import SignalSession
+from pid_control.runner.judging_errors import BusyMachineError, TimeLimitExceeded
+from pid_control.runner.loop_messages import course_messages
+from pid_control.runner.session import Session
 from pid_control.tuning.rules import Gains
 
 
@@ -30,7 +29,99 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     simulated.start()
     pause = simulated.pause(0.0, mock.Mock(side_effect=[9, 4]))
     assert pause.answers == 4
-    assert simulated.pause(0.0, mock.Mock(return_value=0)).length >= 0.04  # twice as long
+    watch.is_idle.side_effect = itertools.cycle([False, True])
+    longer = simulated.pause(0.0, mock.Mock(return_value=0))
+    assert longer.length >= 0.04  # twice as long
+    assert 0.3 < longer.rest < 0.7
+    # By the time that the scenario took: a busy machine is slow.
+    simulated._paused, simulated._began = 0.0, simulated._began - 0.2
+    assert simulated.pause(0.0, mock.Mock(return_value=0)).length >= 0.1
+
+
+def test_wall_clock_keeps_its_largest_delay(monkeypatch: "pytest.MonkeyPatch") -> None:
+    wall = clock.WallClock()
+    monkeypatch.setattr("time.sleep", mock.Mock())
+    monkeypatch.setattr("time.monotonic", iter([5.0, 5.75, 6.0]).__next__)
+    wall.start()
+    for until in (0.5, 2.0):
+        wall.wait(until)
+    assert wall.latest == 0.25
+    assert wall.pause(1.0, mock.Mock()) is None
+
+
+class BenchRig:
+    """Runner on a bench without ROS, whose controller connects at once."""
+
+    def __init__(self, patch: "pytest.MonkeyPatch", real_time: bool = False) -> None:
+        self.parameters: Dict[str, Any] = {}
+        patch.setattr("rospy.set_param", self.parameters.__setitem__)
+        self.bench, self.clock = mock.Mock(), mock.Mock()
+        self.bench.is_connected.return_value = False
+        self.bench.pop_inputs.return_value = []
+        self.process = mock.Mock(status=None, writes_without_end=False)
+        self.process.watch.busy.return_value = 0.0
+        self.process.last_words.return_value = ""
+        patch.setattr(bench_runner, "ProgramProcess", lambda *_: self.process)
+        patch.setattr(bench_runner, "SimulatedClock", lambda _: self.clock)
+        patch.setattr(BenchRunner, "_connect", lambda *_: True)
+        given, others = {"/a": 1}, {"/a": 2, "/b": 3}
+        command = ProgramCommand("x", ["x"], {}, given, others)
+        self.runner = BenchRunner(self.bench, command, {}, real_time, float("inf"), 0)
+
+    def run(self, **changes: Any) -> Record:
+        return self.runner.run(BY_NAME["ramp"]._replace(duration=0.01, **changes))
+
+
+@pytest.mark.parametrize("real_time", [False, True])
+def test_parameters_of_the_controller_and_of_its_launch_file_are_set(
+    real_time: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    rig = BenchRig(monkeypatch, real_time)
+    assert rig.parameters == {"/a": 1, "/b": 3, "/use_sim_time": not real_time}
+
+
+def test_each_scenario_has_its_own_controller_clock_and_figures(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    rig = BenchRig(monkeypatch)
+    first: List[float] = []
+    for number in range(2):
+        rig.process.watch.busy.side_effect = [5.0, 5.75]
+        rig.bench.pop_inputs.side_effect = itertools.chain([[9.0]], itertools.repeat([0.5]))
+        rig.bench.send.reset_mock()
+        rig.clock.pause.side_effect = lambda time, count: Pause(time, 1.0, 1.0, 0)
+        record = rig.run(pauses=(0.002, 0.006))
+        assert record.busy == 0.75 and record.is_simulated
+        assert {value for _, value in record.answers} == {0.5}  # not one of before
+        assert [pause.time for pause in record.pauses] == pytest.approx([0.0, 0.004], abs=0.003)
+        assert rig.process.end.call_count == number + 1
+        first.append(rig.bench.send.call_args_list[0][0][1])
+    assert first[0] == first[1]
+
+
+@pytest.mark.parametrize("status, failure", [(1, ENDED), (None, NOT_CONNECTED)])
+def test_controller_that_does_not_connect_has_ended_or_other_topics(
+    status: Optional[int], failure: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    rig = BenchRig(monkeypatch)
+    monkeypatch.setattr(BenchRunner, "_connect", lambda *_: False)
+    rig.process.status = status
+    rig.runner.notes.append("its types are used")  # only once
+    record = rig.run()
+    assert record.failure == failure
+    assert not rig.bench.follow.called
+
+
+def test_controller_that_sends_without_a_pause_is_never_idle(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    detector = mock.Mock()
+    monkeypatch.setattr(bench_runner, "BusyDetector", lambda _: detector)
+    detector.is_its_own.side_effect = [False, True]
+    rig = BenchRig(monkeypatch)
+    rig.bench.pop_inputs.return_value = [0.0] * 500
+    assert rig.run().failure == RESTLESS
+    assert detector.update.call_args_list == [mock.call(False)] * 2
 
 
 def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
@@ -62,44 +153,46 @@ def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
     assert runner.latest == 0.5 and next(late, None) is None
 
 
-def test_log_of_a_real_plant_has_each_output_with_the_latest_input() -> None:
-    plant: Any = RealPlant.__new__(RealPlant)
-    plant._lock, plant._log, plant._input = threading.Lock(), PlantLog([], []), 0.0
-    plant._on_input(motor_input(0.25, 0.0))
-    plant._on_output(motor_output(2.0, 0.0, ""))
-    log = plant.pop_log()
-    assert [output[1:] for output in log.outputs] == [(2.0, 0.25)]
-    assert [value for _, value in log.inputs] == [0.25]
-    assert plant.pop_log() == ([], [])
+def test_test_bench_follows_other_types_on_all_topics() -> None:
+    bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
+    bench._lock, bench._inputs, bench.node = threading.Lock(), [0.5], mock.Mock()
+    before = mock.Mock(), mock.Mock(), mock.Mock()
+    bench._output, bench._set_point, bench._input = before
+    bench.follow(course_messages())
+    for one in before:
+        one.close.assert_called_once_with()
+    assert bench.pop_inputs() == [0.5] and bench.pop_inputs() == []
 
 
-def test_shutdown_beside_a_real_plant_ends_the_controller_before_the_last_input() -> None:
-    calls: List[str] = []
-    plant: Any = RealPlant.__new__(RealPlant)
-    plant.on_shutdown(lambda: calls.append("controller"))
-    plant.stop = lambda: calls.append("0")
-    plant._shut_down()
-    assert calls == ["controller", "0"]
-
-
-def test_signal_bench_subscribes_only_to_the_latest_topics() -> None:
-    bench: Any = SignalBench.__new__(SignalBench)
-    bench._lock, bench._subscriptions = threading.Lock(), {}
-    bench._node, bench._scope = mock.Mock(), mock.Mock()
-    before = bench._scope
-    bench.listen({})
-    before.close.assert_called_once_with()
-
-
-def test_repeated_record_forgets_failures_of_the_first(
-    monkeypatch: "pytest.MonkeyPatch",
+@pytest.mark.parametrize("topic", ["/set_point", "/motor_output"])
+def test_test_bench_refuses_another_publisher(
+    topic: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    session = SignalSession(mock.Mock(), [], False, 60.0, {}, mock.Mock(), mock.Mock())
-    session.evidence.broken["restart"] = FailedTrial("crash", "/generator")
-    monkeypatch.setattr(session, "_trial", mock.MagicMock())
-    monkeypatch.setattr(session, "_record_baseline", mock.Mock())
-    session._repeat_baseline(mock.Mock())
-    assert session.evidence.broken == {}
+    bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
+    master = mock.Mock()
+    monkeypatch.setattr("rospy.get_master", lambda: master)
+    monkeypatch.setattr("rospy.get_name", lambda: "/judge")
+    master.getSystemState.return_value = [1, "", [[[topic, ["/judge"]], ["/u", ["/a"]]], [], []]]
+    bench.check_publishers()
+    master.getSystemState.return_value = [1, "", [[[topic, ["/judge", "/a"]]], [], []]]
+    with pytest.raises(test_bench.PublisherConflict, match=f"/a publishes {topic[1:]}, like"):
+        bench.check_publishers()
+
+
+def session_of(latest: float, *records: Record, only: Optional[List[Scenario]] = None) -> Session:
+    """Return a session whose runner returns these records, after a call of _run."""
+    session = Session(ProgramCommand("x", ["x"], {}, {}, {}), only, {}, 60.0)
+    runner = mock.Mock(latest=latest, most_late=0.02)
+    runner.run.side_effect = records
+    session._run(runner, [record.scenario for record in records])
+    return session
+
+
+def test_session_ends_after_a_controller_that_never_starts_and_on_a_late_machine() -> None:
+    records = [Record(BY_NAME[name], NOT_CONNECTED, missing=["set_point"]) for name in BY_NAME]
+    assert len(session_of(0.01, *records).records) == 1
+    with pytest.raises(BusyMachineError, match="the judge itself was 0.500 s late"):
+        session_of(0.5, *records)
 
 
 def test_judged_controller_has_all_gains_and_the_limits_of_its_output(
@@ -108,10 +201,14 @@ def test_judged_controller_has_all_gains_and_the_limits_of_its_output(
     find = mock.Mock()
     for module, name in ((bench_runner, "BenchRunner"), (test_bench, "TestBench")):
         monkeypatch.setattr(module, name, mock.Mock())
-    monkeypatch.setattr(gains_judgement, "PrivateMaster", mock.Mock())
+    master = mock.Mock()
+    monkeypatch.setattr(gains_judgement, "PrivateMaster", master)
     monkeypatch.setattr(gains_judgement, "find_controller", find)
     gains = Gains("x", "a test", "PID", 0.5, 0.25, 0.125, 0.01)
-    list(judge_gains([gains], [], least=-0.5, largest=0.75))
+    bench_runner.BenchRunner.return_value.run.side_effect = TimeLimitExceeded
+    [(_, said)] = judge_gains([gains], [BY_NAME["ramp"]], 9.0, least=-0.5, largest=0.75)
+    assert said == "not judged: 9 s are over"
+    master.return_value.close.assert_called_once_with()
     [words] = find.call_args[0]
     assert words[:2] == ["pid_control", "controller.py"]
     assert dict(word[1:].split(":=") for word in words[2:]) == {

@@ -98,7 +98,7 @@ def test_process_features_other_shape_is_distorted() -> None:
 
 def test_process_features_nan_is_counted_and_left_out() -> None:
     found = processed(lambda x: math.nan if 1.0 < x < 2.0 else math.sin(x + 1.0))
-    assert found.not_finite == 4
+    assert found.not_finite == 4 and found.rate == pytest.approx(10.0)
     assert found.shift_error(1.0) < 0.01 and found.distortion < 0.01
 
 
@@ -153,6 +153,9 @@ def test_signal_of_is_the_oscillating_value() -> None:
 def test_signal_of_several_uses_names_or_lists_them(names: Tuple[str, str]) -> None:
     channels = fields(("a", math.sin), ("y", math.cos))
     assert signal_of(channels) == channels[1]
+    for words, index in ((("output", "the_Signal"), 1), (("yaw", "y"), 1)):
+        channels = fields((words[0], math.sin), (words[1], math.cos))
+        assert signal_of(channels) == channels[index]
     channels = fields((names[0], math.sin), (names[1], math.cos))
     with pytest.raises(AmbiguousChannelsError, match=f"/x/{names[0]}, /x/{names[1]}"):
         signal_of(channels)
@@ -168,4 +171,5 @@ def test_channel_between_and_rate() -> None:
     assert (channel.times[0], len(channel.times)) == (2.0, 10)
     assert channel.rate() == pytest.approx(10.0)
     assert channel.between(2.0, 2.15).rate() is None
+    assert channel._replace(times=[2.0] * 10).rate() is None
     assert wrapped(0.0) == 0.0

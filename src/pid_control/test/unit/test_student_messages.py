@@ -1,5 +1,6 @@
 """Tests of the messages of a student's package."""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -95,6 +96,23 @@ def test_message_without_a_float_names_its_fields(tmp_path: pathlib.Path) -> Non
     says = r"set_point: std_msgs/String has no float field; its fields are: string data"
     with pytest.raises(MessageTypeError, match=says):
         loop_message("set_point", String)
+
+
+def test_messages_come_first_and_fields_of_other_types_are_left(tmp_path: pathlib.Path) -> None:
+    """The course's own definition needs no note."""
+    course = "float32 setPoint\nfloat64 time\n"
+    odd = "float32 v\nint32 status\ntime stamp\n"
+    found = read(tmp_path, "reto", {"set_point": course, "motor_output": odd})
+    assert not any("set_point" in note for note in found.command.notes)
+    filled = found.by_topic["motor_output"].filled(1.5, 2.0, "Motor Turning")
+    assert (filled.v, filled.status, filled.stamp.to_sec()) == (1.5, 0, 0.0)
+    given = given_message("motor_output", "reto/motor_output", found.classes)
+    assert given.message_class is found.classes["reto/motor_output"]
+    environment = {"PYTHONPATH": "/before"}
+    command = ProgramCommand("x", ["x"], environment, {}, {}, package=str(tmp_path / "package"))
+    again = read_messages(command, str(tmp_path / "again"))
+    path = again.command.environment["PYTHONPATH"]
+    assert path == f"{tmp_path / 'again'}{os.pathsep}/before"
 
 
 def test_given_type_and_field_are_used() -> None:

@@ -1,0 +1,127 @@
+"""Tests of the node and the runner beside a real plant, without a master."""
+
+import threading
+from typing import Any, List
+from unittest import mock
+
+import pytest
+
+from pid_control.judging.plant_log import PlantLog
+from pid_control.judging.record import ENDED, Record
+from pid_control.judging.scenarios import BY_NAME, MOTOR
+from pid_control.msg import motor_input, motor_output, set_point
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.runner import real_plant, real_plant_runner
+from pid_control.runner.real_plant import PlantError, RealPlant
+from pid_control.runner.real_plant_runner import RealPlantRunner
+from pid_control.runner.session import Session
+
+
+def test_log_of_a_real_plant_has_each_output_with_the_latest_input() -> None:
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant._lock, plant._log, plant._input = threading.Lock(), PlantLog([], []), 0.0
+    plant._on_input(motor_input(0.25, 0.0))
+    plant._on_output(motor_output(2.0, 0.0, ""))
+    log = plant.pop_log()
+    assert [output[1:] for output in log.outputs] == [(2.0, 0.25)]
+    assert [value for _, value in log.inputs] == [0.25]
+    assert plant.pop_log() == ([], [])
+
+
+def test_shutdown_beside_a_real_plant_ends_the_controller_before_the_last_input() -> None:
+    calls: List[str] = []
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant.on_shutdown(lambda: calls.append("controller"))
+    plant.stop = lambda: calls.append("0")
+    plant._shut_down()
+    assert calls == ["controller", "0"]
+
+
+def test_real_plant_is_stopped_by_a_set_point_and_an_input_of_0(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr(real_plant, "_STOP_S", 0.0)
+    monkeypatch.setattr("time.sleep", lambda _: now.append(now.pop() + 1.0))
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant._set_points, plant._drive = mock.Mock(), mock.Mock()
+    plant._began, plant._heard_at, plant._is_shut_down, plant._topic = 90.0, 100.0, False, "/y"
+    plant._speed = 0.25
+    plant.wait_until_it_stands()
+    plant._set_points.publish.assert_called_once_with(set_point(0.0, 10.0))
+    plant._drive.publish.assert_called_once_with(motor_input(0.0, 0.0))
+    plant.send_set_point(3.0)
+    plant._set_points.publish.assert_called_with(set_point(3.0, 10.0))
+    plant._speed, plant._heard_at = -5.0, 200.0
+    with pytest.raises(PlantError, match="the input is 0, and the plant turns at -5 rad/s"):
+        plant.wait_until_it_stands()
+    now[0] = 300.0
+    for call in (plant.wait_until_it_stands, lambda: plant.send_set_point(1.0)):
+        with pytest.raises(PlantError, match="the plant is silent: nothing on /y"):
+            call()
+
+
+@pytest.mark.parametrize("topic", ["/y", "/r"])
+def test_controller_with_a_plant_or_set_point_of_its_own_is_refused(
+    topic: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    master = mock.MagicMock()
+    state = master.return_value.__enter__.return_value.system_state
+    state.return_value.publishers = [("/y", ["/a"]), ("/r", ["/judge"]), ("/u", ["/b", "/c"])]
+    monkeypatch.setattr(real_plant, "MasterClient", master)
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant._topic, plant._set_points = "/y", mock.Mock(resolved_name="/r")
+    plant.check_alone()
+    state.return_value.publishers = [(topic, ["/a", "/b"])]
+    with pytest.raises(PlantError, match=f"/a and /b publish {topic}; stop all but one"):
+        plant.check_alone()
+
+
+def test_controller_beside_a_real_plant_ends_between_two_stops(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    calls: List[str] = []
+    plant, process = mock.Mock(), mock.Mock(status=None, writes_without_end=False)
+    plant.stop = lambda: calls.append("stop")
+    process.interrupt = lambda: calls.append("interrupt")
+    process.end = lambda: calls.append("end")
+    process.watch.busy.return_value = 0.0
+    plant.connections.side_effect = [{"motor_input": 1}, {"motor_input": 1}, {"motor_input": 2}]
+    late = mock.Mock(latest=0.5)
+    monkeypatch.setattr(real_plant_runner, "WallClock", lambda: late)
+    monkeypatch.setattr(real_plant_runner, "ProgramProcess", lambda *_: process)
+    monkeypatch.setattr("time.sleep", mock.Mock())
+    set_param = mock.Mock()
+    monkeypatch.setattr("rospy.set_param", set_param)
+    plant.pop_log.side_effect = lambda: calls.append("log") or PlantLog([], [])
+    command = ProgramCommand("x", ["x"], {}, {"/a": 1}, {"/motor/b": 2})
+    runner = RealPlantRunner(plant, command, 2.0 * MOTOR.max_output, float("inf"))
+    set_param.assert_called_once_with("/a", 1)  # not the plant's own
+    record = runner.run(BY_NAME["steps"]._replace(duration=0.3))
+    assert record.failure == "" and not record.rows
+    # A log before the scenario is dropped.
+    assert calls == ["log", "log", "stop", "interrupt", "end", "stop"]
+    sent = [call[0][0] for call in plant.send_set_point.call_args_list]
+    assert (sent[0], sent[-1]) == (0.0, 10.0)  # twice as fast as the course's motor
+    assert plant.check_node.called
+    late.latest = 0.1
+    plant.connections.side_effect = [{"motor_input": 1}, {"motor_input": 2}]
+    runner.run(BY_NAME["steps"]._replace(duration=0.3))
+    assert runner.latest == 0.5
+
+
+def test_session_with_a_real_plant_names_the_scenarios_left_out(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(real_plant, "RealPlant", mock.Mock())
+    runner = mock.Mock()
+    runner.return_value = mock.Mock(latest=0.0, most_late=0.1)
+    runner.return_value.run.side_effect = lambda scenario: Record(scenario, ENDED, answers=[(1, 1)])
+    monkeypatch.setattr(real_plant_runner, "RealPlantRunner", runner)
+    command = ProgramCommand("x", ["x"], {}, {}, {})
+    for only, ran in ((None, ["steps", "ramp", "sine", "windup"]), ([BY_NAME["ramp"]], ["ramp"])):
+        session = Session(command, only, {}, 60.0)
+        judgement = session.judge_with_real_plant(13.0)
+        assert [record.scenario.name for record in session.records] == ran
+        assert judgement.left_out[:2] == ["held", "rate"] and "ramp" not in judgement.left_out

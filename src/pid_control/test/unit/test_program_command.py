@@ -10,6 +10,7 @@ import pytest
 from nodekit.testing.waiting import wait_until
 from pid_control.programs.program_command import (
     CommandError,
+    ProgramCommand,
     find_controller,
     find_files,
     near_names,
@@ -59,6 +60,30 @@ def test_find_controller_unknown_program_offers_near_name(
     says = r"controller\.py: not found in the package anna \(.*\); did you mean Controller\.py\?$"
     with pytest.raises(CommandError, match=says):
         find_controller(["anna", "controller.py"])
+
+
+def test_find_controller_built_program_comes_before_its_source(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    built = tmp_path / "devel" / "lib" / "anna"
+    for folder in (built, tmp_path / "src" / "scripts"):
+        folder.mkdir(parents=True)
+        (folder / "controller.py").write_text("")
+    (tmp_path / "src" / "package.xml").write_text("<package><name>anna</name></package>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "src"))
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", str(tmp_path / "devel"))
+    assert find_controller(["anna", "controller.py"]).name == str(built / "controller.py")
+
+
+def test_interrupt_lets_a_program_end_by_itself() -> None:
+    script = "trap 'sleep 0.2; exit 3' INT; echo ready; sleep 60 & wait"
+    controller = ProgramProcess(ProgramCommand("x", ["sh", "-c", script], {}, {}, {}), {})
+    try:
+        wait_until(lambda: controller.last_words() == "ready", controller.last_words)
+        controller.interrupt()
+        assert controller.status == 3
+    finally:
+        controller.end()
 
 
 def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.Path) -> None:

@@ -1,7 +1,8 @@
 """Tests of the node and the runner beside a real plant, without a master."""
 
+import contextlib
 import threading
-from typing import Any, List
+from typing import Any, List, Optional
 from unittest import mock
 
 import pytest
@@ -62,6 +63,44 @@ def test_real_plant_is_stopped_by_a_set_point_and_an_input_of_0(
             call()
 
 
+def test_real_plant_that_says_nothing_is_not_at_rest(monkeypatch: "pytest.MonkeyPatch") -> None:
+    now = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda _: now.append(now.pop() + 0.5))
+    monkeypatch.setattr(real_plant, "_check_graph", mock.Mock())
+    monkeypatch.setattr(real_plant, "init_node", mock.MagicMock())
+    with pytest.raises(PlantError, match="the plant is silent"):
+        RealPlant().wait_until_it_stands()
+
+
+@pytest.mark.parametrize(
+    "simulates, publishers, says",
+    [
+        (None, [("/motor_output", ["/m"])], ""),
+        (True, [("/motor_output", ["/m"])], "/use_sim_time is true"),
+        (None, [], "/motor_output has no publisher"),
+        (None, [("/motor_output", ["/m"]), ("/set_point", ["/s"])], "published by another node"),
+        (None, [("/motor_output", ["/m"]), ("/motor_input", ["/c"])], "published by another node"),
+    ],
+)
+def test_graph_of_a_real_plant_has_a_motor_and_nothing_else(
+    simulates: Optional[bool],
+    publishers: List[Any],
+    says: str,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    master = mock.MagicMock()
+    known = master.return_value.__enter__.return_value
+    known.read.return_value.values = {"/use_sim_time": simulates or mock.Mock()}
+    known.topic_types.return_value = {}
+    known.system_state.return_value = mock.Mock(
+        publishers=publishers, subscribers=[("/motor_input", ["/m"])]
+    )
+    monkeypatch.setattr(real_plant, "MasterClient", master)
+    with pytest.raises(PlantError, match=says) if says else contextlib.nullcontext():
+        real_plant._check_graph()
+
+
 @pytest.mark.parametrize("topic", ["/y", "/r"])
 def test_controller_with_a_plant_or_set_point_of_its_own_is_refused(
     topic: str, monkeypatch: "pytest.MonkeyPatch"
@@ -100,6 +139,7 @@ def test_controller_beside_a_real_plant_ends_between_two_stops(
     set_param.assert_called_once_with("/a", 1)  # not the plant's own
     record = runner.run(BY_NAME["steps"]._replace(duration=0.3))
     assert record.failure == "" and not record.rows
+    assert plant.connections.call_count == 3  # until there is one more than before
     # A log before the scenario is dropped.
     assert calls == ["log", "log", "stop", "interrupt", "end", "stop"]
     sent = [call[0][0] for call in plant.send_set_point.call_args_list]

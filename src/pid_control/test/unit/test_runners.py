@@ -7,16 +7,20 @@ from unittest import mock
 
 import pytest
 
+from pid_control.judging.experiment import Experiment
 from pid_control.judging.record import ENDED, NOT_CONNECTED, RESTLESS, Pause, Record
-from pid_control.judging.scenarios import BY_NAME, Scenario
+from pid_control.judging.scenarios import BY_NAME
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import bench_runner, clock, gains_judgement, test_bench
 from pid_control.runner.bench_runner import BenchRunner
 from pid_control.runner.gains_judgement import judge_gains
-from pid_control.runner.judging_errors import BusyMachineError, TimeLimitExceeded
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.runner.loop_messages import course_messages
+from pid_control.runner import session as session_module
 from pid_control.runner.session import Session
+from pid_control.runner.student_messages import StudentMessages
 from pid_control.tuning.rules import Gains
+from played import pi, play_one
 
 
 def test_answers_in_the_first_half_of_a_pause_count_as_late(
@@ -112,6 +116,21 @@ def test_controller_that_does_not_connect_has_ended_or_other_topics(
     assert not rig.bench.follow.called
 
 
+def test_controller_without_a_motor_has_the_time_that_it_needed_with_one(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    connect = BenchRunner._connect
+    rig = BenchRig(monkeypatch)
+    rig.bench.missing.return_value = []
+    rig.bench.pop_inputs.side_effect = [[], [], [], [0.5]]
+    monkeypatch.setattr("time.sleep", mock.Mock())
+    assert connect(rig.runner, Experiment(BY_NAME["steps"], 0.0), rig.process)
+    needed = rig.runner._clock
+    assert needed > 0.012
+    assert rig.runner._patience(Experiment(BY_NAME["early"], 0.0)) == needed
+    assert rig.runner._patience(Experiment(BY_NAME["steps"], 0.0)) > needed
+
+
 def test_controller_that_sends_without_a_pause_is_never_idle(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
@@ -179,13 +198,49 @@ def test_test_bench_refuses_another_publisher(
         bench.check_publishers()
 
 
-def session_of(latest: float, *records: Record, only: Optional[List[Scenario]] = None) -> Session:
+def session_of(latest: float, *records: Record) -> Any:
     """Return a session whose runner returns these records, after a call of _run."""
-    session = Session(ProgramCommand("x", ["x"], {}, {}, {}), only, {}, 60.0)
+    session: Any = Session(ProgramCommand("x", ["x"], {}, {}, {}), None, {}, 60.0)
     runner = mock.Mock(latest=latest, most_late=0.02)
     runner.run.side_effect = records
-    session._run(runner, [record.scenario for record in records])
+    session._run(runner, [BY_NAME[record.scenario.name] for record in records])
+    session.ran = [call[0][0] for call in runner.run.call_args_list]
     return session
+
+
+def test_session_adapts_a_scenario_to_the_answers_before() -> None:
+    held = play_one("held", pi(kp=0.7, ki=73.0))
+    ran = session_of(0.0, held, play_one("rate", pi())).ran
+    assert ran[0] == BY_NAME["held"]
+    assert max(ran[1].set_point) < max(BY_NAME["rate"].set_point)
+
+
+@pytest.mark.parametrize("is_running", [True, False])
+def test_session_with_its_own_plant_has_all_notes_and_leaves_nothing(
+    is_running: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    master, runner, bench = mock.Mock(), mock.Mock(), mock.Mock()
+    master.return_value.is_running.return_value = is_running
+    master.return_value.folder = "/scratch"
+    runner.return_value = mock.Mock(latest=0.0, most_late=0.02, notes=["followed"])
+    runner.return_value.run.return_value = Record(BY_NAME["ramp"], ENDED)
+    command = ProgramCommand("x", ["x"], {}, {}, {}, notes=["found"])
+    own = StudentMessages(command._replace(notes=["found", "own"]), {}, {"a": "own", "b": "own"})
+    monkeypatch.setattr(session_module, "PrivateMaster", master)
+    monkeypatch.setattr(session_module, "read_messages", lambda *_: own)
+    monkeypatch.setattr(session_module, "given_message", lambda topic, text, _: text)
+    monkeypatch.setattr(bench_runner, "BenchRunner", runner)
+    monkeypatch.setattr(test_bench, "TestBench", bench)
+    session = Session(command, [BY_NAME["ramp"]], {}, 60.0, {"b": "given"})
+    if is_running:
+        assert session.judge_with_own_plant(False).flaws() == ["crash"]
+        bench.return_value.close.assert_called_once_with()
+    else:
+        with pytest.raises(JudgingError, match="the judge's own master ended"):
+            session.judge_with_own_plant(False)
+    assert bench.call_args[0][0] == {"a": "own", "b": "given"}
+    assert session.notes == ["found", "own", "followed"]
+    master.return_value.close.assert_called_once_with()
 
 
 def test_session_ends_after_a_controller_that_never_starts_and_on_a_late_machine() -> None:

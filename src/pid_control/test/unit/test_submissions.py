@@ -99,6 +99,11 @@ def test_workspace_with_a_compiled_controller_is_the_package_that_builds_it(
     scratch = str(tmp_path / "scratch")
     [one] = submissions_in(str(tmp_path / "class"), ProgramFinder("controller", [], {}), scratch)
     assert (one.package, one.siblings) == (str(sources / "pid"), [str(sources / "messages")])
+    # Of several controllers, each may need another.
+    for name in ("pid", "pid2"):
+        fill(sources / name, {"package.xml": "", "controller": ""})
+    found = submissions_in(str(tmp_path / "class"), ProgramFinder("controller", [], {}), scratch)
+    assert [one.siblings[-1] for one in found] == [str(sources / "pid2"), str(sources / "pid")]
 
 
 def test_needed_siblings_are_those_that_a_package_depends_on(tmp_path: pathlib.Path) -> None:
@@ -322,8 +327,8 @@ def test_roster_names_the_student_of_a_file_that_is_not_unpacked(tmp_path: pathl
 )
 def test_roster_heading_is_skipped(tmp_path: pathlib.Path, heading: str, names: List[str]) -> None:
     path = tmp_path / "roster.csv"
-    path.write_text(f"{heading}\na,Anna\n")
-    assert list(read_roster(str(path))) == names
+    path.write_text(f"{heading}\na,Anna\nfile,Group\n")
+    assert list(read_roster(str(path))) == [*names, "file"]  # only at the top
 
 
 @pytest.mark.parametrize(

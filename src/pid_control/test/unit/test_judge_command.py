@@ -11,6 +11,7 @@ import pytest
 from pid_control.commands import judge, judge_signals, judging_command
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME
+from pid_control.runner.judging_errors import JudgingError
 from pid_control.verdicts.judgement import Cause, Failure, Judgement
 
 #: What a class run judges in each package.
@@ -135,6 +136,23 @@ def test_class_with_a_name_that_is_not_utf8_is_judged(
     rows = (output / "class.csv").read_text("utf-8").splitlines()[1:]
     assert [row.partition(",")[0] for row in rows] == names
     assert "<h1>Jos\\udce9</h1>" in (output / "Jos_.html").read_text("utf-8")
+
+
+def test_judge_prints_the_notes_of_a_judgement_that_fails(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    session, exit_on_signals = mock.Mock(), mock.Mock()
+    session.return_value.notes = ["its types are used"]
+    session.return_value.judge_with_own_plant.side_effect = JudgingError("no master")
+    monkeypatch.setattr("pid_control.runner.session.Session", session)
+    monkeypatch.setattr(judging_command, "exit_on_signals", exit_on_signals)
+    monkeypatch.setattr(sys, "argv", ["judge", GOOD])
+    with pytest.raises(SystemExit) as end:
+        judge.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert end.value.code == 125
+    assert lines[1:] == ["note: its types are used", "not judged: no master"]
+    exit_on_signals.assert_called_once_with()
 
 
 @pytest.mark.parametrize(

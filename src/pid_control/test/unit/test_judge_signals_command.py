@@ -3,10 +3,13 @@
 import pathlib
 import sys
 from typing import List
+from unittest import mock
 
 import pytest
 
 from pid_control.commands import judge_signals, judging_command
+from pid_control.signal_judging.evidence import CourseworkEvidence
+from pid_control.signal_runner import coursework_bench
 
 
 @pytest.mark.parametrize(
@@ -48,3 +51,22 @@ def test_judge_signals_invalid_request_names_the_problem(
     output, errors = capsys.readouterr()
     assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    bench, find = mock.Mock(), mock.Mock()
+    bench.return_value.run.return_value = CourseworkEvidence(), ""
+    bench.return_value.notes = ["launch file: a.launch"]
+    monkeypatch.setattr(coursework_bench, "CourseworkBench", bench)
+    monkeypatch.setattr(coursework_bench, "find_request", find)
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    monkeypatch.setattr(sys, "argv", ["judge_signals", "--only", "launch", "anna"])
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    assert end.value.code == 0 and find.call_args[0][1] == ["launch"]
+    bench.return_value.close.assert_called_once_with()
+    output = capsys.readouterr().out
+    assert "note: launch file: a.launch" in output
+    assert output.endswith("passed: all 1 figures of 1 scenario\n")

@@ -168,6 +168,9 @@ def test_cause_of_evidence_decides_between_rivals() -> None:
     for scenario in ("missing", "early", "load"):
         cause = cause_of(scenario, "recovery_time", {}, winding, lambda *_: False)
         assert cause.flaw == ("unexplained" if scenario == "load" else "windup")
+    per_turn = measured._replace(was_probed=True, grows_per_turn=True, law=law)
+    for metric, flaw in (("settling_time", "interval"), ("overshoot", "gains")):
+        assert cause_of("steps", metric, {}, per_turn, lambda *_: True).flaw == flaw
 
 
 def test_cause_of_every_metric_is_known() -> None:

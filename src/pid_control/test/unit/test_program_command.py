@@ -76,7 +76,7 @@ def test_find_controller_built_program_comes_before_its_source(
 
 
 def test_interrupt_lets_a_program_end_by_itself() -> None:
-    script = "trap 'sleep 0.2; exit 3' INT; echo ready; sleep 60 & wait"
+    script = "trap 'sleep 0.05; exit 3' INT; echo ready; sleep 60 & wait"
     controller = ProgramProcess(ProgramCommand("x", ["sh", "-c", script], {}, {}, {}), {})
     try:
         wait_until(lambda: controller.last_words() == "ready", controller.last_words)

@@ -26,7 +26,9 @@ from played import pi, play_one
 def test_answers_in_the_first_half_of_a_pause_count_as_late(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    monkeypatch.setattr(clock, "_STANDSTILL_S", 0.02)
+    now = [0.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda seconds: now.append(now.pop() + seconds))
     watch = mock.Mock()
     watch.is_idle.return_value = True
     simulated = clock.SimulatedClock(watch)
@@ -35,11 +37,12 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     assert pause.answers == 4
     watch.is_idle.side_effect = itertools.cycle([False, True])
     longer = simulated.pause(0.0, mock.Mock(return_value=0))
-    assert longer.length >= 0.04  # twice as long
-    assert 0.3 < longer.rest < 0.7
-    # By the time that the scenario took: a busy machine is slow.
-    simulated._paused, simulated._began = 0.0, simulated._began - 0.2
-    assert simulated.pause(0.0, mock.Mock(return_value=0)).length >= 0.1
+    assert longer.length == pytest.approx(2.0 * pause.length, abs=0.01)
+    assert longer.rest == pytest.approx(0.5, abs=0.01)
+    # On a busy machine a scenario takes longer, and so does a first pause.
+    simulated.start()
+    simulated._paused, now[0] = 0.0, now[0] + 10.0
+    assert simulated.pause(0.0, mock.Mock(return_value=0)).length > 10.0 * pause.length
 
 
 def test_wall_clock_keeps_its_largest_delay(monkeypatch: "pytest.MonkeyPatch") -> None:

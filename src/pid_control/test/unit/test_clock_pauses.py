@@ -67,5 +67,7 @@ def test_constant_does_not_move() -> None:
 
 
 def test_few_messages_are_no_evidence() -> None:
-    few = record(with_pauses([True] * 8)).between(1.9)
-    assert moved_in_pauses(few, PAUSES) is False
+    moved = record(with_pauses([True] * 8))
+    assert moved_in_pauses(moved.between(1.9), PAUSES) is False
+    later = [5.0 + number for number in range(20)]  # without messages
+    assert moved_in_pauses(moved, [*PAUSES, *later]) is False

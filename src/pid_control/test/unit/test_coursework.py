@@ -182,7 +182,7 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
     assert [node.program for node in found.nodes] == ["a.py", "b.py"]
 
 
-def test_names_in_source_have_their_numeric_default() -> None:
+def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> None:
     found = good("wave_loops")
     names = dict(found.names_in_source(found.nodes[0].command.name))
     assert names["process_offset"] == 1.0 and names["process_angle"] > 0.0
@@ -192,6 +192,8 @@ def test_names_in_source_have_their_numeric_default() -> None:
         "~gain",
     ]
     assert found.mentions("gain") and not found.mentions("gai")
+    (tmp_path / "x.py").write_text("get_param('~a', 'sine'), get_param('b', True), get_param('c')")
+    assert found.names_in_source(str(tmp_path / "x.py")) == [("c", 1.1)]
 
 
 def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) -> None:

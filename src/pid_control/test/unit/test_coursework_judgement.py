@@ -222,6 +222,7 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
             "/angle_deg", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True
         ),
         ParameterEffect("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
+        ParameterEffect("/angle", 1.19, "phase_shift", {PROCESS}, is_predicted=True),  # one sample
         ParameterEffect("/phase_samples", 10.0, "phase_shift", {PROCESS}),
         ParameterEffect("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
         ParameterEffect("/gain", -0.5, "gain", {PROCESS}, is_predicted=True),
@@ -232,6 +233,19 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
 def test_parameter_of_another_unit_or_case_is_not_blamed(tried: ParameterEffect) -> None:
     both = ParameterEffect("/x", 1.0, "", {GENERATOR, PROCESS})
     assert judged(evidence(tried=[both, tried])).verdict == PASSED
+
+
+def test_flaws_of_parameters_state_what_was_measured() -> None:
+    angle = ParameterEffect("/angle", 2.0, "phase_shift", {PROCESS}, is_predicted=True)
+    size = ParameterEffect("/size", 4.0, "amplitude", {GENERATOR}, is_predicted=True)
+    found = evidence(
+        lambda time: 3.0 * math.sin(2.0 * time),
+        lambda time: math.sin(2.0 * time - 1.0) + 1.0,
+        tried=[angle, size],
+    )
+    sentences = {failure.cause.sentence for failure in judged(found).failures}
+    assert "the phase shift is -1 rad, where /angle is 2" in sentences
+    assert "the amplitude is 3, where /size is 4" in sentences
 
 
 def test_unread_parameter_beside_one_of_its_role_is_not_blamed() -> None:
@@ -257,7 +271,7 @@ def test_no_parameter_is_hard_coded_unless_hidden_ones_are_read() -> None:
 def test_free_running_output_and_lost_restart_are_named() -> None:
     found = evidence()
     assert found.restart is not None
-    found.restart = found.restart._replace(oscillates=True)
+    found.restart = found.restart._replace(oscillates=True, after=None)
     assert "computed from a clock, not from the messages" in cause(found)
     found.restart = found.restart._replace(oscillates=False, after=None)
     assert "no output follows the signal" in cause(found)
@@ -276,12 +290,6 @@ def test_nan_is_blamed_on_the_node_that_sends_it(node: str) -> None:
     wrong = sent._replace(values=[math.nan, *sent.values[1:]])
     found.baseline = found.baseline._replace(**{name: wrong})
     assert cause(found).startswith(f"the {node} sends NaN")
-
-
-def test_value_of_two_parameters_of_a_role_is_unknown() -> None:
-    one = ParameterEffect("/a", 2.0, "amplitude", {GENERATOR}, is_predicted=True)
-    for tried, value in (([one], ("/a", 2.0)), ([one, one._replace(name="/b")], None)):
-        assert ParameterResults(tried, set(), {}, True).value_of(GENERATOR, "amplitude") == value
 
 
 def test_distortion_is_that_of_the_signal_or_else_of_the_output() -> None:

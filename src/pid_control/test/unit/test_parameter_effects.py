@@ -75,6 +75,10 @@ def test_changed_value_is_another_one_of_the_same_type(value: Any, role: str, fa
     assert new != value or abs(value) < 1e-300
 
 
+def test_changed_0_and_offset_are_other_values_too() -> None:
+    assert (changed(0.0, "gain"), changed(0, ""), changed(1.0, "offset", True)) == (1.0, 1, 1.5)
+
+
 def test_changed_phase_is_seen_in_rad_and_in_degrees() -> None:
     move = changed(0.0, "phase_shift", is_far=True)
     assert abs(math.remainder(move, 2.0 * math.pi)) > 0.2 and math.radians(move) > 0.2

@@ -13,6 +13,7 @@ from pid_control.signal_judging.evidence import (
     GENERATOR,
     PROCESS,
     BaselineTrial,
+    ParameterEffect,
     ParameterResults,
     TrialFeatures,
 )
@@ -239,3 +240,9 @@ def test_coursework_without_parameters() -> None:
     assert found.read_by(GENERATOR) == found.read_by(PROCESS) == 0
     assert not found.has_files and dict(found.unused_files) == {}
     assert len(ran) > 1
+
+
+def test_value_of_two_parameters_of_a_role_is_unknown() -> None:
+    one = ParameterEffect("/a", 2.0, "amplitude", {GENERATOR}, is_predicted=True)
+    for tried, value in (([one], ("/a", 2.0)), ([one, one._replace(name="/b")], None)):
+        assert ParameterResults(tried, set(), {}, True).value_of(GENERATOR, "amplitude") == value

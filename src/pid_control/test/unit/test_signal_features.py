@@ -68,7 +68,14 @@ def test_process_features_at_the_same_time_has_both_shifts() -> None:
     found = processed(lambda x: math.sin(x), 0.0)
     assert found.shifts[0] == pytest.approx(0.0, abs=1e-3)
     assert found.shifts[1] == pytest.approx(0.2, abs=1e-3)  # by the message 0.1 s before
-    assert processed(lambda x: math.sin(x)).shift_distance(found) < 1e-3
+    plain, leading = processed(math.sin), processed(lambda x: math.sin(x + 0.5))
+    assert plain.shift_distance(found) < 1e-3
+    assert leading.shift_distance(plain, 0.5) < 1e-3 < leading.shift_distance(plain, -0.5)
+
+
+def test_process_features_output_before_the_first_message_does_not_count() -> None:
+    found = processed(lambda x: -50.0 if x == 0.0 else math.sin(x), -0.04)
+    assert found.lowest > -1.1 and found.distortion < 0.1
 
 
 @given(st.floats(0.1, 2.0), st.floats(-1.4, 1.4), st.sampled_from([0.0, 2.0]))
@@ -122,6 +129,12 @@ def test_process_features_of_constant_output_are_missing() -> None:
 )
 def test_is_sine_like_settling_output_is_not(of: Callable[[float], float], is_like: bool) -> None:
     assert is_sine_like(record(of), 2.0, 0.0, 12.0) is is_like
+
+
+def test_is_sine_like_half_wave_may_end_with_its_zeros() -> None:
+    half = record(lambda time: max(0.0, math.sin(time + 0.45)))
+    assert set(half.between(9.0).values) == {0.0}
+    assert is_sine_like(half, 1.0, 0.0, 12.0)
 
 
 @given(st.floats(0.0, 3.0), st.floats(1.0, 9.0), st.booleans())

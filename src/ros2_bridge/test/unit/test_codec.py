@@ -11,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodekit.message_definitions import Fields, parse
-from ros2_bridge.types.codec import Codec
+from ros2_bridge.types.codec import Codec, MappedCodec
 from ros2_bridge.types.codec_ops import ConversionError
+from ros2_bridge.types.field_mapping import FieldMapping
+from ros2_bridge.types.type_pair import FieldRules
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
@@ -178,6 +180,12 @@ def test_seq_is_that_of_the_topic() -> None:
     cdr = codec.to_cdr(struct.pack("<IIIIB", 99, 1, 2, 0, 5))
     assert struct.unpack_from("<I", codec.to_ros1(cdr, 2**32 + 3)) == (3,)
     assert not Codec("pkg/b", parse("pkg/b", "uint32 seq")).has_header
+    # The mapping rule leaves out the Header that only ROS 2's type has.
+    plain, stamped = parse("a/L", "float64 x"), parse("b/L", "Header header\nfloat64 x" + HEADER)
+    rules = {"a/L": FieldRules("b/L", {}, [], ["header"])}
+    mapping = FieldMapping("a/L", plain, "b/L", stamped, rules, lambda _: bytes(24))
+    mapped, data = MappedCodec(Codec("b/L", stamped), mapping, plain, "a/L"), struct.pack("<d", 2.5)
+    assert mapped.to_ros1(mapped.to_cdr(data), 7) == data
 
 
 @pytest.mark.parametrize(

@@ -190,6 +190,7 @@ class Ros1GoalTracker:
         The list uses another connection; a late one would make the goal look active.
 
         :param stamp: start time of the goal [ns]
+        :param status: final status
         :param result: its result, serialized in ROS 1
         """
         goal = self._goals.get(text)
@@ -197,8 +198,7 @@ class Ros1GoalTracker:
             return  # no goal id
         if goal is None:
             goal = self._goals[text] = Goal(text, stamp, now, None)
-        is_last = TO_ROS2[status] in ROS2_TERMINAL
-        self._move(goal, status if is_last else Ros1Status.LOST, now, result)
+        self._move(goal, status, now, result)
         self._report(now)
 
     def abort_all(self, now: float) -> None:

@@ -112,7 +112,7 @@ def text_up(source: Any, at: int, out: bytearray) -> int:
     at += -at & 3
     (size,) = _LENGTH.unpack_from(source, at)
     end = _end(source, at + 4, size)
-    text = source[at + 4 : end - 1] if size else b""
+    text = source[at + 4 : end - 1]  # without the zero, if there is one
     out += _LENGTH.pack(len(text))
     out += text
     return end

@@ -125,7 +125,7 @@ class FieldMapping:
     @property
     def is_copy(self) -> bool:
         """Whether both types have the same fields in the same order, and no rule has an effect."""
-        return self._forward.is_copy and self._back.is_copy
+        return self._forward.is_copy  # and then the reverse is a copy, too
 
     def _directions(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
         if (first, second) not in self._known:
@@ -183,7 +183,7 @@ class FieldMapping:
             self._errors.append(text)
         elif one.base in self._fields1:
             forward, back = self._directions(one.base, other.base)
-            if not (forward.is_copy and back.is_copy):
+            if not forward.is_copy:
                 return _each(forward, one.length), _each(back, one.length)
         return None, None
 

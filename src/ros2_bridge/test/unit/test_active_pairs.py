@@ -5,7 +5,7 @@ from typing import List, Optional
 import pytest
 
 from ros2_bridge.rules.selection import Rules, Route
-from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources, PairBridge
+from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources, PairBridge, for_all
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 
 
@@ -110,6 +110,12 @@ def test_denied_pair_is_closed_immediately() -> None:
     assert kept and not kept.is_closed
     pairs.close_denied(Rules(False, True, ["*"], []))
     assert kept.is_closed and not pairs.pairs
+
+
+def test_first_of_several_failures_is_raised() -> None:
+    numbers = iter([{}, {}])
+    with pytest.raises(KeyError, match="first"):
+        for_all(["first", "second"], lambda name: next(numbers)[name])
 
 
 def test_failure_for_one_item_does_not_stop_others() -> None:

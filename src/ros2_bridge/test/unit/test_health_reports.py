@@ -53,6 +53,8 @@ def test_bridge_without_faults_is_well() -> None:
         ("topics without messages", "2"),
     ]
     assert to_ros1.values == [("topics without messages", "0")]
+    two = statuses(health({**FINE, Route("/scan2", True): SCAN}))[1]
+    assert two.message == "20.0 messages/s; topics with messages: 2"
     assert (skipped.message, skipped.values) == ("nothing", [])
 
 
@@ -70,11 +72,12 @@ def test_recent_fault_is_a_warning_of_its_direction() -> None:
 
 def test_warning_names_three_topics_and_counts_the_others() -> None:
     state = TopicHealth(TopicCounts(refused=1, unread=2), 0.0, {"refused": 1, "unread": 2})
-    one = health({Route(f"/t{number}", False): state for number in range(5)})
+    faulty = {Route(f"/t{number}", False): state for number in range(5)}
+    one = health({**faulty, Route("/fine", False): SCAN})
     what = "(1 refused, 2 dropped for subscribers that do not read)"
     expected = f"in the last 10 s: /t0 {what}, /t1 {what}, /t2 {what}"
     assert statuses(one)[2].message == f"{expected} and 2 more"
-    three = {route: state for route, state in one.topics.items() if route.name < "/t3"}
+    three = {route: state for route, state in faulty.items() if route.name < "/t3"}
     assert statuses(health(three))[2].message == expected
 
 

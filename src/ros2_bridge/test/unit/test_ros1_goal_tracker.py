@@ -41,9 +41,11 @@ class Clients:
         self.results: Dict[bytes, List[Tuple[Ros2Status, bytes]]] = {}
         self.cancelled: List[Tuple[int, List[bytes]]] = []
         self.status: Dict[bytes, Ros2Status] = {}
+        self.stamps: Dict[bytes, int] = {}
 
     def _publish(self, goals: Sequence[Goal]) -> None:
         self.status, before = {}, self.status
+        self.stamps = {goal.uuid: goal.stamp for goal in goals}
         for goal in goals:
             assert goal.status is not None
             self.status[goal.uuid] = goal.status
@@ -84,7 +86,7 @@ def clients() -> Clients:
 def test_result_before_the_first_list_with_its_goal_counts(clients: Clients) -> None:
     clients.end(ONE, Ros1Status.SUCCEEDED, b"there")  # of a quick goal of a client of ROS 1
     clients.list_goals(one=Ros1Status.ACTIVE)  # delayed on a slower connection
-    assert clients.status == {ONE: Ros2Status.SUCCEEDED}
+    assert (clients.status, clients.stamps) == ({ONE: Ros2Status.SUCCEEDED}, {ONE: 1})
     clients.list_goals(one=Ros1Status.SUCCEEDED)
     assert clients.goals.end_timeouts(10.0 * PATIENCE_S) == NOTHING
     clients.ask(ONE)

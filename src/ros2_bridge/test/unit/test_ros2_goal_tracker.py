@@ -39,7 +39,8 @@ class Clients:
     """Recorder of the messages to the clients of ROS 1."""
 
     def __init__(self) -> None:
-        self.goals = Ros2GoalTracker(lambda: PATIENCE_S, self._end, self._publish)
+        self.patience = PATIENCE_S
+        self.goals = Ros2GoalTracker(lambda: self.patience, self._end, self._publish)
         self.status: Dict[str, Ros1Status] = {}
         self.results: List[Tuple[str, Ros1Status, str, Optional[bytes]]] = []
 
@@ -149,6 +150,14 @@ def test_ended_goal_without_result_times_out(clients: Clients, is_answered: bool
     assert len(clients.results) == 2
 
 
+def test_result_may_take_as_long_as_an_answer(clients: Clients) -> None:
+    clients.patience = 2.0 * RESULT_S
+    clients.send(ONE)
+    clients.answer(ONE)
+    clients.list_goals(one=Ros2Status.SUCCEEDED)
+    assert clients.goals.end_timeouts(2.0 * RESULT_S) == NOTHING
+
+
 def test_goal_that_is_rejected_once_it_was_listed_is_aborted(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals(one=Ros2Status.EXECUTING)
@@ -225,12 +234,12 @@ def test_goals_of_ros2_are_listed_too(clients: Clients) -> None:
     assert clients.status == {theirs: Ros1Status.ACTIVE}
     assert clients.goals.request_cancel(theirs, 0, 0.0) == [b"t" * 16]
     assert clients.goals.under_way(b"t" * 16) is not None
-    clients.list_goals(theirs=Ros2Status.SUCCEEDED)
+    clients.list_goals(now=3.0, theirs=Ros2Status.SUCCEEDED)
     assert clients.status == {theirs: Ros1Status.SUCCEEDED} and not clients.results
     assert clients.goals.under_way(b"t" * 16) is None
-    clients.goals.remove_old(LISTED_S)
+    clients.goals.remove_old(3.0 + LISTED_S)
     assert clients.goals.listed()
-    clients.goals.remove_old(LISTED_S + 0.1)
+    clients.goals.remove_old(3.1 + LISTED_S)
     clients.list_goals(theirs=Ros2Status.SUCCEEDED)
     assert clients.status == {}
 
@@ -254,6 +263,14 @@ def test_goals_of_lost_server_are_aborted(clients: Clients) -> None:
     assert not clients.goals.is_any_under_way()
     assert clients.answer(TWO) is True  # accepted after all: it is to be cancelled
     assert clients.answer(TWO, False) is False
+
+
+def test_goal_is_that_of_the_server_that_lists_it(clients: Clients) -> None:
+    clients.list_goals(SENDER, theirs=Ros2Status.EXECUTING)
+    clients.goals.abort_goals({SENDER, OTHER}, 0.0)
+    assert clients.goals.is_any_under_way()
+    clients.goals.abort_goals({OTHER}, 0.0)
+    assert not clients.goals.is_any_under_way()
 
 
 def test_goal_during_server_lookup_continues(clients: Clients) -> None:

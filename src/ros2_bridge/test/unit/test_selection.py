@@ -30,7 +30,11 @@ def test_patterns() -> None:
 
 
 def test_own_names_of_each_ros_are_not_bridged() -> None:
-    for name in ("/rosout", "/parameter_events", "/n/get_loggers", "/a/_action/status"):
+    for name in (
+        *("/rosout", "/rosout_agg", "/parameter_events", "/statistics", "/a/_action/status"),
+        *("/n/get_loggers", "/n/set_logger_level", "/n/get_type_description"),
+        "/add/_service_event",
+    ):
         assert not ALL.allows(name)
     assert ALL.allows("/tf_static") and ALL.allows("/clock")
 

@@ -20,13 +20,15 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
     camera = {"topic": "/camera/*", "reliability": "best_effort", "depth": 2}
     later = {"topic": "/camera/left", "depth": 7}  # the first that fits is taken
     map_ = {"topic": "/map", "durability": "transient_local"}
-    qualities = QosProfiles(1000, [camera, later, map_])
+    fixed = {"topic": "/fixed", "durability": "volatile", "reliability": "reliable"}
+    qualities = QosProfiles(1000, [camera, later, map_, fixed])
     assert qualities.of("/signal") == QosProfile(1000)
     assert qualities.of("/signal", latched=True, best_effort=True) == QosProfile(1000, True, True)
     assert qualities.of("/signal", latched=True, at_least=3) == QosProfile(3, True)
     assert qualities.of("/camera/left") == QosProfile(2, False, True)
     assert qualities.of("/camera/left", latched=True, at_least=9) == QosProfile(2, True, True)
     assert qualities.of("/map") == QosProfile(1000, True)
+    assert qualities.of("/fixed", latched=True, best_effort=True) == QosProfile(1000)
 
 
 @pytest.mark.parametrize(
@@ -124,17 +126,22 @@ def test_only_ros1_s_packages_go_along() -> None:
 
 
 def test_qualities_that_a_publisher_offers_are_the_users() -> None:
-    chosen = {"topic": "/heart*", "deadline": 0.5, "lifespan": 2, "liveliness": "manual_by_topic"}
+    chosen = {
+        "topic": "/heart*",
+        "deadline": 0.5,
+        "lifespan": 86_400,
+        "liveliness": "manual_by_topic",
+    }
     qualities = QosProfiles(7, [{**chosen, "liveliness_lease_duration": 1.0}])
     assert dict(qualities.of("/heartbeat").offered) == {
         "deadline": 0.5,
-        "lifespan": 2,
+        "lifespan": 86_400,
         "liveliness": "manual_by_topic",
         "liveliness_lease_duration": 1.0,
     }
     assert qualities.of("/other").offered == ()
     for name, value in (
-        *(("deadline", wrong) for wrong in (0, -1.0, True, "1 s", math.inf, math.nan)),
+        *(("deadline", wrong) for wrong in (0, -1.0, 86_401, True, "1 s", math.nan)),
         ("liveliness", "manual"),
     ):
         with pytest.raises(ParameterError, match=f"qos of /a, {name}"):

@@ -62,8 +62,9 @@ def test_rate_restarts_with_the_counters() -> None:
 
 
 def test_rate_restarts_after_the_topic_was_closed() -> None:
-    found = states((0.0, {A: TopicCounts(5)}), (1.0, {}), (2.0, {A: TopicCounts(50)}))
-    assert found[A].rate == 0.0
+    before = (0.0, {A: TopicCounts()}), (1.0, {A: TopicCounts(5, lost=2)}), (2.0, {})
+    found = states(*before, (3.0, {A: TopicCounts(50)}))
+    assert (found[A].rate, found[A].recent) == (0.0, {})
 
 
 @pytest.mark.parametrize("name", ["lost", "refused", "unread"])

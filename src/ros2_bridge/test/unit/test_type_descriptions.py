@@ -23,6 +23,7 @@ TYPES: Dict[str, List[Field]] = {
         Field("gains", "a/msg/Gains"),
         Field("earlier", "a/msg/Gains[]"),
     ],
+    "a/msg/Robot": [Field("loop", "a/msg/Loop")],
 }
 
 
@@ -31,6 +32,7 @@ def test_nested_fields_are_in_serialization_order() -> None:
         "float rate, double gains.kp, double gains.ki, [] earlier, double earlier.kp, "
         "double earlier.ki"
     )
+    assert as_text(flatten(TYPES, "a/msg/Robot")[:2]) == "float loop.rate, double loop.gains.kp"
 
 
 @pytest.mark.parametrize(
@@ -79,3 +81,4 @@ def test_renamed_in_order_never_swaps_values(ours: List[Field], theirs: List[Fie
 def test_long_definitions_are_cut() -> None:
     many = [Field(f"f{number}", "double") for number in range(20)]
     assert as_text(many).endswith("double f11, and 8 more")
+    assert as_text(many[:12]).endswith("double f11")

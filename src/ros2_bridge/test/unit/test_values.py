@@ -34,6 +34,9 @@ class Sample(ParameterSet):
     closed = FloatParameter(0.0, minimum=-1.0, maximum=2.0, step=0.5, help="closed")
     opened = FloatParameter(0.5, above=0.0, below=1.0, help="open")
     count = IntParameter(3, above=2.5, maximum=7, help="count")
+    inside = IntParameter(3, above=0, below=9, help="inside")
+    late = IntParameter(3, below=9.5, help="late")
+    gains = ListParameter((1.0,), element=FloatParameter(0.0, help="gain"), help="gains")
     color = EnumParameter("red", choices=("red", "blue"), help="color")
     names = ListParameter((), element=StringParameter("", help="name"), help="names")
 
@@ -48,6 +51,9 @@ ENTRIES = {entry["name"]: entry for entry in describe(Sample())}
         ("closed", (-1.0, 2.0, 0.5), values.DOUBLE),
         ("opened", (numpy.nextafter(0.0, 1.0), numpy.nextafter(1.0, 0.0), 0.0), values.DOUBLE),
         ("count", (3, 7, 1), values.INTEGER),
+        ("inside", (1, 8, 1), values.INTEGER),
+        ("late", (-(2**31), 9, 1), values.INTEGER),
+        ("gains", None, values.DOUBLES),
         ("color", None, values.STRING),
         ("names", None, values.STRINGS),
     ],

@@ -194,16 +194,33 @@ def test_rule_has_no_effect_where_the_other_message_contains_another_type():
 
 def test_longest_path_in_the_rules_counts_before_those_of_nested_messages():
     first = messages("a/A:B b | a/B:C c,int8 i | a/C:int16 x,int32 y")
-    second = messages("b/A:B b,E e | b/B:int8 i | b/E:int32 v,int16 u")
+    second = messages("b/A:F f,E e | b/F:int8 i | b/E:int32 v,int16 u")
     rules = {
-        "a/A": FieldRules("b/A", {"b.c": "e"}),
-        "a/B": FieldRules("b/B", {"c": "nothing"}),
+        "a/A": FieldRules("b/A", {"b": "f", "b.c": "e"}),
+        "a/B": FieldRules("b/F", {"c": "nothing"}),
         "a/C": FieldRules("b/E", {"x": "u", "y": "v"}),
     }
     converter = FieldMapping("a/A", first, "b/A", second, rules, default)
     data = struct.pack("<hib", 1, 2, 3)
     assert converter.to_second(data) == struct.pack("<bih", 3, 2, 1)
     assert converter.to_first(converter.to_second(data)) == data
+
+
+def test_rules_of_a_message_hold_at_any_depth():
+    first = messages("a/A:B b | a/B:C c | a/C:int8 x")
+    second = messages("b/A:B b | b/B:C c | b/C:int8 x,int8 y")
+    rules = {"a/C": FieldRules("b/C", {}, [], ["y"])}
+    converter = FieldMapping("a/A", first, "b/A", second, rules, lambda _: b"\0\7")
+    assert converter.to_second(b"\1") == b"\1\7"
+
+
+def test_arrays_of_a_fixed_length_are_part_of_each_message():
+    first = messages("a/A:B[] all,int8 end | a/B:int16[2] x,int8 y")
+    second = messages("b/A:int8 end,B[] all | b/B:int16[2] x,int8 y")
+    converter = FieldMapping("a/A", first, "b/A", second, {}, default)
+    several, end = struct.pack("<I", 2) + bytes(range(10)), b"\x7f"
+    assert converter.to_second(several + end) == end + several
+    assert converter.to_first(end + several) == several + end
 
 
 def test_each_of_several_messages_without_fields_gets_its_defaults():
@@ -217,7 +234,10 @@ def test_each_of_several_messages_without_fields_gets_its_defaults():
 
 @pytest.mark.parametrize(
     ("ours", "theirs"),
-    [("int32", "uint32"), ("int8", "uint8"), ("uint8", "bool"), ("time", "int64")],
+    [
+        *[("int32", "uint32"), ("int8", "uint8"), ("uint8", "bool"), ("time", "int64")],
+        *[("int32[2]", "int32[]"), ("int32[2]", "int32[3]"), ("int32", "int32[]")],
+    ],
 )
 def test_type_that_would_change_values_is_rejected(ours, theirs):
     first, second = parse("a/N", f"{ours} n"), parse("b/N", f"{theirs} n")

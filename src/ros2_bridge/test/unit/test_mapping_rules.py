@@ -19,6 +19,7 @@ def test_type_has_its_name_in_both():
     assert rules.ros1_name("action", "nav2_msgs/NavigateToPose") == "move_base_msgs/MoveBase"
     assert rules.ros2_name("msg", "std_msgs/String") == ""
     assert rules.ros1_name("msg", "std_msgs/String") == ""
+    assert not rules.is_taken("msg", "std_msgs/String", "std_msgs/String")
     assert [rule.kind for rule in rules.own] == ["msg", "action"]
 
 
@@ -111,6 +112,10 @@ def test_rule_for_a_package_replaces_those_that_are_built_in_for_its_types():
         ([{**RANGE, "ros1": "a/b/C"}], "types are named as in package/Name"),
         ([{"ros1": "a", "ros2": "B b"}], "'B b' is not the name of a package"),
         ([{"ros1": "a", "ros2": "b", "fields": {}}], "fields of the package a: allowed only for"),
+        (
+            [RANGE, {**RANGE, "ros1": "acme_msgs/Range"}],
+            "acme_msgs/Range or sensor_msgs/Range is in several rules",
+        ),
         ([RANGE, RANGE], "sensor_msgs/Range or sensor_msgs/Range is in several rules"),
         ([{"ros1": "a", "ros2": "b"}, {"ros1": "c", "ros2": "b"}], "c or b is in several rules"),
         ([{**RANGE, "fields": ["x"]}], "fields: ['x'] is not a mapping of texts"),

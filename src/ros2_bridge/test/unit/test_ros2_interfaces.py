@@ -31,6 +31,7 @@ def twins_of(definitions: Dict[str, str]) -> TwinPackage:
         ("basic_comms/signal_msg", "basic_comms/SignalMsg"),
         ("basic_comms/SignalMsg", "basic_comms/SignalMsg"),
         ("pkg/my_2nd_type", "pkg/My2ndType"),
+        ("pkg/my_IMU_type", "pkg/MyIMUType"),
         ("std_msgs/Time", "builtin_interfaces/Time"),
         ("duration", "builtin_interfaces/Duration"),
         ("uint8", "uint8"),
@@ -45,6 +46,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
         "# What it is.\n"
         "uint8 small = 3 # three\n"
         'string GREETING=say "hi" # twice\n'
+        "string FOLDER=C:\\tmp\n"
         "Header header\n"
         "time[2]  when   # twice\n"
         "float64[9] K\n"
@@ -56,6 +58,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
         "# What it is.\n"
         "uint8 SMALL=3\n"
         'string GREETING="say \\"hi\\" # twice"\n'
+        'string FOLDER="C:\\\\tmp"\n'
         "std_msgs/Header header\n"
         "builtin_interfaces/Time[2] when  # twice\n"
         "float64[9] k\n"
@@ -81,6 +84,7 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
         ("int32 trailing_\n", "trailing_ is not a valid name of a field or constant in ROS 2"),
         ("int32 a__b\n", "a__b is not a valid name of a field or constant in ROS 2"),
         ("int32 default\n", "default is not a valid name of a field or constant in ROS 2"),
+        ("int32 lambda\n", "lambda is not a valid name of a field or constant in ROS 2"),
         ("int32 long\n", "long is not a valid name of a field or constant in ROS 2"),
         ("int32 X\nint32 x\n", "X and x are both x in ROS 2"),
         ("int32 FOO=1\nint32 foo=2\n", "FOO and foo are both FOO in ROS 2"),
@@ -102,6 +106,11 @@ def test_unsupported_type_is_skipped_with_its_users(text: str, reason: str) -> N
 def test_request_and_response_may_share_field_names() -> None:
     twin = twins_of({"srv/Ask.srv": "int8 x\n---\nint8 X\n"})
     assert twin.files["srv/Ask.srv"] == "int8 x\n---\nint8 x\n"
+
+
+def test_service_is_not_taken_for_a_message_of_its_name() -> None:
+    _, left_out = interfaces(pkg={"msg/A.msg": "Ask ask\n", "srv/Ask.srv": "---\n"})
+    assert left_out == {"pkg/msg/A.msg": "it uses pkg/Ask, which ROS 2 does not have here"}
 
 
 def test_second_type_with_the_same_name_in_ros2_is_left_out() -> None:

@@ -235,12 +235,9 @@ def _skip(field: Field, fields: Fields) -> _Skip:
 def _skip_fixed(element: _Skip, size: Optional[int], count: int) -> _Skip:
     def skip(data: bytes, at: int) -> int:
         if size is not None:
-            at += size * count
-        else:
-            for _ in range(count):
-                at = element(data, at)
-        if at > len(data):
-            raise struct.error("the data ends early")
+            return at + size * count
+        for _ in range(count):  # a count that is too large ends with an error of struct
+            at = element(data, at)
         return at
 
     return skip

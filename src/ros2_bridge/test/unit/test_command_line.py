@@ -68,6 +68,10 @@ def test_release_is_installed_once(
     newer.write_text("psutil==1.1 --hash=sha256:0\n")
     command_line.install(environment, newer, [source])
     assert len(calls(tmp_path)) == 4
+    command_line.install(environment, newer, [source, source])
+    assert calls(tmp_path)[-1].count("/ros2cli") == 2
+    with pytest.raises(Unavailable, match="ros2 cannot be fetched"):
+        command_line.install(environment, newer, [source, source._replace(commit="0" * 40)])
 
 
 def test_missing_repository_is_named(

@@ -44,6 +44,8 @@ def test_all_topics_of_a_discovery_server_are_visible() -> None:
     assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
     assert given["ROS_SUPER_CLIENT"] == "TRUE"
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in given
+    server["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
+    assert middleware(server, LOOPBACK)["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
     assert middleware({**server, "ROS_SUPER_CLIENT": "0"}, LOOPBACK)["ROS_SUPER_CLIENT"] == "0"
 
 

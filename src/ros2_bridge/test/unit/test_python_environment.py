@@ -46,7 +46,7 @@ class Environment(PythonEnvironment):
     :ivar built: packages built in the last run
     """
 
-    script, failing = "exit 0", ""
+    script, failing, reason = "exit 0", "", "X.h:3: error: no"
 
     def __init__(self, folder: pathlib.Path) -> None:
         super().__init__(folder)
@@ -61,7 +61,7 @@ class Environment(PythonEnvironment):
             return
         self.built = [word.partition(":")[0] for word in command[3:]]
         if self.failing in self.built:
-            (self._twins / self.failing / "error").write_text("X.h:3: error: no")
+            (self._twins / self.failing / "error").write_text(self.reason)
 
     def names(self) -> Dict[str, str]:
         """Return the renamed types; each package here has one."""
@@ -120,6 +120,8 @@ def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:
     noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
     with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
         ours.run(["sh", "-c", noise], 10.0, "no wheels")
+    with pytest.raises(Unavailable, match="no wheels: killed"):
+        ours.run(["sh", "-c", "echo collecting; echo killed; exit 1"], 10.0, "no wheels")
     with pytest.raises(Unavailable, match="no wheels: it wrote nothing"):
         ours.run(["false"], 10.0, "no wheels")
     with pytest.raises(Unavailable, match="not finished within 0.1 s"):
@@ -208,12 +210,40 @@ def test_environment_of_an_earlier_release_is_taken_over(
     (place / "share" / "ros2_bridge").mkdir(parents=True)
     (place / "share" / "ros2_bridge" / "names.yaml").write_text("{}")
     (place.with_name("ros2_twins") / "a_msgs" / "source").mkdir(parents=True)
+    failing = Environment(place)
+    failing.script = "exit 1"
+    with pytest.raises(Unavailable):
+        failing.make(wheels, {})
+    assert (place / python_environment.MARK).exists()  # a kill may leave it under another name
     Environment(place).make(wheels, {})
     assert (place / "wheels").exists()
 
 
+def test_environment_of_another_python_is_replaced(
+    wheels: pathlib.Path, place: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    Environment(place).make(wheels, {})
+    (place / "old").touch()
+    Environment(place).make(wheels, {})
+    assert (place / "old").exists()
+    monkeypatch.setattr(sys, "version", "of an upgrade")
+    Environment(place).make(wheels, {})
+    assert not (place / "old").exists()
+
+
+def test_package_of_a_wheel_gets_no_twin(wheels: pathlib.Path, place: pathlib.Path) -> None:
+    ours = Environment(place)
+    ours.make(wheels, {})
+    index = place / "share" / "ament_index" / "resource_index" / "rosidl_interfaces"
+    index.mkdir(parents=True)
+    (index / "std_msgs").write_text("msg/String.idl\n")
+    sources = place.parent / "src"
+    ours.make(wheels, {**package(sources / "std_msgs"), **package(sources / "own_msgs")})
+    assert ours.built == ["own_msgs"] and list(ours.names()) == ["own_msgs/x"]
+
+
 def test_packages_of_earlier_runs_are_rebuilt_with_dependencies(
-    wheels: pathlib.Path, place: pathlib.Path
+    wheels: pathlib.Path, place: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     sources = place.parent / "src"
     ours = Environment(place)
@@ -224,6 +254,14 @@ def test_packages_of_earlier_runs_are_rebuilt_with_dependencies(
     ours.make(wheels, package(sources / "one_msgs", "uint16 x\n"))
     assert ours.built == ["one_msgs", "two_msgs"]
     assert sorted(ours.names()) == ["one_msgs/x", "two_msgs/x"]
+    builder = place.with_name("builder.py")
+    builder.write_text("of a later release")
+    monkeypatch.setattr(python_environment, "BUILDER", builder)
+    ours.built = []
+    ours.make(wheels, {})
+    assert ours.built == ["one_msgs", "two_msgs"]
+    names = yaml.safe_load((place / "share" / "ros2_bridge" / "names.yaml").read_text())
+    assert names["std_msgs/Time"] == "builtin_interfaces/Time"
 
 
 def test_failing_package_is_reported_once_and_others_built(
@@ -238,6 +276,9 @@ def test_failing_package_is_reported_once_and_others_built(
     assert list(ours.names()) == ["good_msgs/x"]
     ours.make(wheels, packages)
     assert ours.built == ["odd_msgs"] and capsys.readouterr().err == ""
+    ours.reason = "disk full"
+    ours.make(wheels, packages)
+    assert capsys.readouterr().err == "make_environment: left out odd_msgs: disk full\n"
 
 
 def test_commands_run_without_ros_1(
@@ -269,16 +310,24 @@ def test_companions_have_same_maintainer(tmp_path: pathlib.Path) -> None:
     assert python_environment.definitions(found)["a_msgs"] == {"msg/X.msg": "uint8 x\n"}
 
 
-def test_packages_are_found_at_any_depth_as_catkin_finds_them(tmp_path: pathlib.Path) -> None:
+def test_packages_are_found_at_any_depth_as_catkin_finds_them(
+    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
     package(tmp_path / "top_msgs")
     package(tmp_path / "repository" / "folder" / "deep_msgs")
     package(tmp_path / "repository" / "ignored_msgs")
     (tmp_path / "repository" / "ignored_msgs" / "CATKIN_IGNORE").touch()
+    package(tmp_path / "repository" / "ignored_msgs" / "below_msgs")
+    package(tmp_path / "top_msgs" / "inside_msgs")
     found = python_environment.packages_under(tmp_path)
     assert {name: folder.parent.name for name, folder in found.items()} == {
         "top_msgs": tmp_path.name,
         "deep_msgs": "folder",
     }
+    assert capsys.readouterr().err == ""
+    package(tmp_path / "repository" / "top_msgs")
+    assert sorted(python_environment.packages_under(tmp_path)) == ["deep_msgs", "top_msgs"]
+    assert "top_msgs/package.xml: same name as /" in capsys.readouterr().err
 
 
 def test_package_with_an_invalid_manifest_is_named_and_skipped(
@@ -311,9 +360,10 @@ def test_debian_packages_contain_only_messages(tmp_path: pathlib.Path) -> None:
         "a_msgs": ["__init__.py", "msg"],
         "with_code": ["__init__.py", "msg", "client.py"],
         "not_installed": [],
+        "only_srvs": ["__init__.py", "srv"],
     }.items():
-        (tmp_path / "share" / name / "msg").mkdir(parents=True)
+        (tmp_path / "share" / name / ("srv" if "srv" in parts else "msg")).mkdir(parents=True)
         for part in parts:
             (tmp_path / "python" / name / part).mkdir(parents=True)
     found = python_environment.debian_packages(tmp_path / "share", str(tmp_path / "python"))
-    assert found == {"a_msgs": tmp_path / "share" / "a_msgs"}
+    assert found == {name: tmp_path / "share" / name for name in ("a_msgs", "only_srvs")}

@@ -194,7 +194,7 @@ def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
 def test_ros1_goals_are_tracked(clients: Clients) -> None:
     clients.goals.on_status([("/node-1-7.5", 7, Ros1Status.ACTIVE)], 0.0)
     uuid = bytes_of("/node-1-7.5")
-    assert clients.status == {uuid: Ros2Status.EXECUTING}
+    assert (clients.status, clients.stamps) == ({uuid: Ros2Status.EXECUTING}, {uuid: 7})
     assert clients.cancel(uuid) == "/node-1-7.5"
     clients.ask(uuid)
     clients.goals.on_result("/node-1-7.5", 7, Ros1Status.PREEMPTED, b"far", 0.0)

@@ -18,9 +18,12 @@ class Servers:
         self.asked: "Counter[str]" = collections.Counter()
         self.places: Dict[str, str] = {}
         self.is_reachable = True
+        self.answering = threading.Event()
+        self.answering.set()
 
     def probe(self, name: str, _: float) -> Dict[str, str]:
         self.asked[name] += 1
+        assert self.answering.wait(20.0)
         if name == "/defect":
             raise ValueError(self)
         if not name.startswith("/good"):
@@ -63,6 +66,23 @@ def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
     assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
 
 
+def test_few_servers_are_asked_at_a_time_and_once_in_a_poll(servers: Servers) -> None:
+    types = service_types.ServiceTypes(cast(Any, servers))
+    names = [f"/silent{number}" for number in range(service_types._MOST + 2)]
+    servers.answering.clear()
+    types.begin_poll(set(names))
+    for name in names:
+        types.of(name)
+    assert len(types._asked) == service_types._MOST
+    servers.answering.set()
+    wait_until(lambda: not types._asked, lambda: str(types._asked))
+    types.begin_poll({names[0]})
+    for _ in range(3):
+        types.of(names[0])
+        wait_until(lambda: not types._asked, lambda: str(types._asked))
+    assert servers.asked[names[0]] == 2
+
+
 def test_silent_server_is_reported_from_its_second_query_until_it_answers(
     servers: Servers,
 ) -> None:
@@ -92,7 +112,8 @@ def test_master_that_does_not_answer_changes_no_reason(servers: Servers) -> None
         poll(types, ["/silent"])
     reasons = types.unanswered()
     servers.is_reachable = False
-    types._ask("/silent")
+    for name in ("/silent", "/unknown", "/unknown"):
+        types._ask(name)
     assert types.unanswered() == reasons == {"/silent": "/silent"}
 
 

@@ -23,4 +23,5 @@ def test_help_names_each_parameter(option: str) -> None:
     for name in declared:
         assert f"\n  _{name} " in done.stdout
     assert "--print-pairs" in done.stdout
+    assert "reaction to a goal (default: 5 s)" in " ".join(done.stdout.split())
     assert max(map(len, done.stdout.splitlines())) <= 100

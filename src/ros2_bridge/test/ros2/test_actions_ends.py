@@ -1,11 +1,17 @@
 """Goals that outlive their bridge, and actions of a bridge with its own settings."""
 
+import contextlib
 import signal
+import threading
+from functools import partial
+from types import SimpleNamespace
 from typing import Any, List, cast
 
 import both
+import pytest
 import rospy
 from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
 from action_parts import Client1, Client2, Server1, Server2, cancel
 from action_server2 import Server
 from rclpy.action.graph import get_action_names_and_types
@@ -14,14 +20,18 @@ from rclpy.node import Node
 
 import nodekit
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.action_bridge import actionlib_messages
+from ros2_bridge.action_bridge import actionlib_messages, ros1_server_in_ros2
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
-from ros2_bridge.actions.goal_ids import bytes_of, text_of
+from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
+from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
+from ros2_bridge.actions.ros1_goal_tracker import TimedOutGoals
 from ros2_bridge.actions.ros2_goal_tracker import GONE, NO_ANSWER
 from ros2_bridge.environment.ros1_messages import GoalID
+from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import Route
+from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.selection import Route, Rules
 from ros2_bridge.rules.skip_log import SkipLog
 
 
@@ -79,6 +89,75 @@ def test_action_that_fails_keeps_no_other_from_following() -> None:
         actions.follow()
     assert [pair.followed for pair in pairs] == [2, 2]
     assert skip_log.next_line(0.0) == "not bridged: /0: it is broken"
+
+
+def test_only_allowed_actions_with_servers_in_both_are_reported() -> None:
+    nothing: Any = None
+    skip_log = SkipLog()
+    actions = ActionBridge(nothing, nothing, nothing, skip_log, lambda: 1.0)
+    kind, node = "acme_msgs/Grab", {"/hand"}
+    names = ("/robot/left", "/robot/right")
+    published = {f"{n}/{part}": node for n in names for part in ("status", "feedback", "result")}
+    subscribed = {f"{n}/{part}": node for n in names for part in ("goal", "cancel")}
+    types = {f"{name}/result": f"{kind}ActionResult" for name in names}
+    send_goal = ("acme_msgs/action/Grab_SendGoal", "/foot")
+    services2 = {f"{name}/_action/send_goal": send_goal for name in ("/left", "/right")}
+    rules = Rules(True, True, ["*"], ["*/right"], Renaming(["/robot=/"]))
+    graph = Ros1Graph(published, subscribed, types, {}, 1)
+    actions.update_actions(rules, graph, services2, {})
+    assert [reason.partition(": ")[0] for reason in skip_log.current()] == ["/robot/left"]
+
+
+def test_goals_are_aborted_once_their_server_was_away_for_a_second(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    server: Any = Ros1ServerInRos2.__new__(Ros1ServerInRos2)
+    calls: List[Any] = []
+    clock = SimpleNamespace(now=0.0)
+    fake = SimpleNamespace(monotonic=lambda: clock.now)
+    monkeypatch.setattr(ros1_server_in_ros2, "time", fake)
+    server._name, server._lock, server._connected = "/leg", threading.Lock(), 0.0
+    server._offered = contextlib.ExitStack()
+    server._offered.callback(calls.append, "no longer offered")
+    server._goals = SimpleNamespace(
+        abort_all=lambda now: calls.append(("aborted", now)),
+        end_timeouts=lambda now: TimedOutGoals(["unheard"] if now == 1.0 else [], []),
+    )
+    server._cancel = SimpleNamespace(
+        publish=lambda message: calls.append((message.id, message.stamp))
+    )
+    for now, is_connected in ((1.0, True), (5.0, True), (5.5, False), (5.9, True), (6.8, False)):
+        server._is_connected, clock.now = lambda is_connected=is_connected: is_connected, now
+        server.follow()
+    assert calls == [("unheard", rospy.Time())]  # a server that starts it late ends it
+    clock.now = 7.0
+    server.follow()
+    assert calls[1:] == [("aborted", 7.0)]
+    server._scope = SimpleNamespace(close=lambda: calls.append("unsubscribed"))
+    server.close()
+    assert calls[2:] == [("aborted", 7.0), "unsubscribed", "no longer offered"]
+
+
+def test_server_of_ros2_leaves_nothing_and_may_have_no_goal_to_cancel(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    calls: List[str] = []
+    server._name, server._lock = "/hand", threading.Lock()
+    nothing = CancelGoal.Response()
+    server._cancel = SimpleNamespace(send=lambda request, receive: receive(nothing))
+    for goal in (NO_GOAL, bytes(15) + b"\1"):
+        server._cancel_goal(goal)
+    (line,) = lines
+    assert line.startswith("/hand: the server in ROS 2 does not cancel 00000000-")
+    server._goals = SimpleNamespace(abort_goals=lambda senders, _: calls.append(f"of {senders}"))
+    server._scope = SimpleNamespace(close=partial(calls.append, "scope"))
+    server._ends = [partial(calls.append, "status")]
+    server._clients = [SimpleNamespace(close=partial(calls.append, "client"))]
+    server.close()
+    assert calls == ["of set()", "scope", "status", "client"]
 
 
 def test_action_with_failing_services_is_not_offered(ros: both.Both) -> None:

@@ -157,4 +157,7 @@ def test_node_that_did_not_describe_its_type_is_asked_again(
         definitions.are_known_to_fit(*asked)
     monkeypatch.setattr(peer_definitions, "_TIMEOUT_S", TIMEOUT_S)
     assert definitions.are_known_to_fit(*asked) is False
-    assert [client.is_closed for client in SilentClient.made] == [True, False]
+    assert definitions.are_known_to_fit(*asked[:3], "/arm") is False  # each node has its own
+    assert [client.is_closed for client in SilentClient.made] == [True, False, False]
+    assert definitions.are_known_to_fit(*asked[:2], "INVALID", "/of_an_older_ros2")
+    assert len(SilentClient.made) == 3

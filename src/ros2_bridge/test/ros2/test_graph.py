@@ -3,6 +3,7 @@
 import struct
 import subprocess
 import sys
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, Dict, List, cast
 
@@ -21,7 +22,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge import node_bridge
 from ros2_bridge.environment.ros1_messages import Header
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
-from ros2_bridge.node_bridge import NodeBridge
+from ros2_bridge.node_bridge import NodeBridge, NodeToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Ros2Graph
 from ros2_bridge.rules.active_pairs import BridgedResources
@@ -163,12 +164,16 @@ class FewNodes(NodeBridge):
         return None
 
     def shown(self, nodes: str, most: int = 100, parameters: bool = True) -> Dict[str, str]:
-        """Poll a graph of such nodes, of which only /d describes its parameters."""
+        """Poll a graph of such nodes."""
+        self.update_nodes(self.graph(nodes), set(), (), parameters, most, False)
+        return {name: node.style for name, node in self._to_ros2.items()}
+
+    @staticmethod
+    def graph(nodes: str) -> Ros1Graph:
+        """Return a graph of such nodes, of which only /d describes its parameters."""
         services = {"/d/describe": "/d", "/d/change": "/d"} if "d" in nodes else {}
         heard = {"/rosout": {f"/{name}" for name in nodes}}
-        graph = Ros1Graph({}, heard, {}, services, 1)
-        self.update_nodes(graph, set(), (), parameters, most, False)
-        return {name: node.style for name, node in self._to_ros2.items()}
+        return Ros1Graph({}, heard, {}, services, 1)
 
 
 def test_no_more_nodes_appear_than_may() -> None:
@@ -207,6 +212,48 @@ def test_parameters_are_bridged_as_the_node_and_the_user_want() -> None:
     assert bridge.shown("cd") == {"/c": "plain", "/d": "described"}
     assert bridge.shown("cd", parameters=False) == {"/c": "none", "/d": "none"}
     assert bridge.in_ros2() == nodes  # or calls of their services would be given up each time
+    assert set(bridge.shown("d")) == {"/d"}
+    assert bridge.shown("cd")["/c"] == "none"  # started again: it has its time again
+    bridge.update_nodes(bridge.graph("cd"), {"/d"}, (), True, 100, False)  # of ROS 2 itself
+    assert set(bridge.in_ros2()) == {"/c"}
+
+
+def test_parameters_of_a_node_are_closed_before_others_and_with_it() -> None:
+    closed: List[Any] = []
+    participant: Any = SimpleNamespace(create_node=str)
+    node = NodeToRos2(participant, "/arm", closed.append)
+    parts: List[Any] = [SimpleNamespace(close=partial(closed.append, name)) for name in "ab"]
+    node.set_parameters("plain", parts[0])
+    node.set_parameters("described", parts[1])
+    assert closed == ["a"]
+    node.close()
+    assert closed == ["a", "b", "/arm"]
+
+
+def test_parameters_of_ros2_nodes_are_written_if_wanted_and_to_each_new_master(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    calls: List[str] = []
+
+    def make(*given: Any) -> Any:
+        names = ("report_unfit", "write_all", "retry_write_all", "close")
+        return SimpleNamespace(**{name: partial(calls.append, name) for name in names})
+
+    monkeypatch.setattr(node_bridge, "ParametersToRos1", make)
+    bridge, names = FewNodes(), {"/b", "/c", "/d"}
+    services = {f"{name}/list_parameters" for name in ("/b", "/c")}
+
+    def poll(is_wanted: bool, is_restarted: bool = False) -> List[str]:
+        calls.clear()
+        graph = bridge.graph("c")  # a node of this name is in both
+        bridge.update_nodes(graph, names, services, is_wanted, 9, is_restarted)
+        return calls
+
+    assert poll(False) == [] and not bridge._to_ros1
+    assert poll(True) == [] and set(bridge._to_ros1) == {"/b"}
+    assert poll(True) == ["report_unfit", "retry_write_all"]
+    assert poll(True, is_restarted=True) == ["report_unfit", "write_all"]
+    assert poll(False) == ["close"]
 
 
 def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
@@ -252,7 +299,13 @@ class ManyTopics:
         return [(name, []) for name in (*self.names, "/rosout", "/parameter_events")]
 
     def get_node_names_and_namespaces(self) -> Any:
-        return [("bridge", "/")]
+        twice = [("bridge", "/"), ("lidar", "/front"), ("_daemon", "/")]
+        return [*twice, *twice, ("camera", "/front")]
+
+    def get_publisher_names_and_types_by_node(self, name: str, namespace: str) -> Any:
+        return []
+
+    get_subscriber_names_and_types_by_node = get_publisher_names_and_types_by_node
 
     def get_publishers_info_by_topic(self, topic: str) -> Any:
         return []
@@ -278,6 +331,7 @@ def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
     first = seen.index(True)
     assert first < 4 and all(seen[first:])  # a program without a node is found, and stays
     assert participant.asked <= 8 * 53
+    assert graph.shared_names == {"/front/lidar"}  # its services are those of one node only
 
 
 class TwoPublishers(ManyTopics):
@@ -323,3 +377,22 @@ def test_log_line_of_ros1_is_the_same_in_ros2() -> None:
     assert (log.stamp.sec, log.stamp.nanosec, log.level) == (5, 7, Log.ERROR)
     assert (log.name, log.msg, log.file) == ("arm", "it sticks", "arm.cpp")
     assert (log.function, log.line) == ("move", 3)
+
+
+def test_log_line_is_that_of_the_present_node() -> None:
+    sent: List[Any] = []
+    ended: List[Any] = []
+    participant: Any = SimpleNamespace(
+        node="bridge",
+        create_publisher=lambda owner, *_: SimpleNamespace(
+            publish=lambda log: sent.append((owner, log.msg))
+        ),
+        destroy_publisher=lambda owner, _: ended.append(owner),
+    )
+    rosout, owners = Rosout(cast(Any, None), participant, Renaming()), cast(Any, dict)
+    for nodes in ({}, {"/arm": "first"}, {"/arm": "again"}, {"/arm": "again"}, {}):
+        rosout.update_nodes(owners(nodes))
+        rosout._forward(Ros1Log(Header(), Ros1Log.INFO, "/arm", "it moves", "", "", 0, []))
+    nodes_of_lines = ["bridge", "first", "again", "again", "bridge"]
+    assert sent == [(node, "it moves") for node in nodes_of_lines]
+    assert ended == ["first", "again"]

@@ -71,6 +71,10 @@ class Diagnostics:
             for arrays in (in_ros1, self._recorders[1].heard[-3:])
         ]
 
+    def age(self) -> float:
+        """Return the age of the latest message in ROS 2 [s]."""
+        return time.time() - float(self._recorders[1].heard[-1].header.stamp.sec)
+
 
 def level(statuses: Dict[str, Any], name: str) -> int:
     return int.from_bytes(statuses[name].level, "little")
@@ -99,6 +103,7 @@ def test_passed_messages_are_reported_with_their_rate(ros: both.Both, bridge: bo
             assert statuses["bridge"].hardware_id == os.uname().nodename
             memory = next(v.value for v in statuses["bridge"].values if v.key == "memory [bytes]")
             assert 1e7 < int(memory) < 1e10
+        assert diagnostics.age() < 60.0
     assert max(rates()) < 100.0
     (row,) = [line.split() for line in report().stdout.splitlines() if line.startswith("/healthy ")]
     assert row[1:3] == ["ROS", "1"]
@@ -216,7 +221,7 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
     loop._node, loop._trouble = SimpleNamespace(name="/ros2_bridge"), ""
     loop._monitor, loop._skip_log = TopicHealthMonitor(), SkipLog()
     loop._topics = SimpleNamespace(counts=lambda: {})
-    loop._services = loop._actions = SimpleNamespace(pairs={})
+    loop._services, loop._actions = SimpleNamespace(pairs={1, 2}), SimpleNamespace(pairs={1})
     loop._diagnostics = SimpleNamespace(has_subscribers=lambda: True, publish=published.append)
     for seconds, is_well in ((0.0, True), (9.0, True), (12.0, False)):
         loop._polled_at = time.monotonic() - seconds
@@ -224,6 +229,7 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
         assert (published[-1][0].level == 0) is is_well
         assert loop.report()[0] is is_well
     assert loop.report()[1].startswith("/ros2_bridge: ERROR the graphs have not been read for 12")
+    assert "services 2, actions 1, memory" in loop.report()[1]
 
 
 def test_report_without_a_bridge_fails_with_the_reason(ros: both.Both) -> None:

@@ -4,6 +4,7 @@ As of a robot: its description, and the static transforms of two nodes.
 """
 
 import struct
+from types import SimpleNamespace
 from typing import Any, List
 
 import both
@@ -17,6 +18,11 @@ from tf2_msgs.msg import TFMessage
 
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.selection import Rules
+from ros2_bridge.rules.skip_log import SkipLog
+from ros2_bridge.topics.robot_description import RobotDescription
 
 TF, DESCRIPTION = "/tf_static", "/robot_description"
 TF1 = "tf2_msgs/TFMessage"
@@ -209,3 +215,24 @@ def test_robot_description_of_the_parameter_server_is_latched_in_ros2(
     wait_until(lambda: publishers() == [], lambda: str(publishers()))
     for recorder in (early, late):
         recorder.end()
+
+
+def test_robot_description_has_its_name_in_ros2_unless_denied(ros: both.Both) -> None:
+    keep: List[Any] = []
+    node: Any = SimpleNamespace(on_parameter=lambda _, callback, group: keep.append(callback))
+    made, ended, sent = [], [], []
+
+    def create(*given: Any) -> Any:
+        made.append(given[2])
+        return SimpleNamespace(publish=sent.append)
+
+    participant: Any = SimpleNamespace(
+        node=None, create_publisher=create, destroy_publisher=lambda *given: ended.append(given)
+    )
+    description = RobotDescription(node, participant, ros.types, SkipLog())
+    keep[0](ROBOT)
+    rules, graph = Rules(True, True, ["*"], [], Renaming(["/=/lab"])), Ros1Graph({}, {}, {}, {}, 1)
+    for denied in ([DESCRIPTION], [], [DESCRIPTION]):
+        description.update(rules._replace(deny=denied), graph, {})
+    description.update(rules._replace(to_ros2=False), graph, {})
+    assert (made, len(sent), len(ended)) == ([f"/lab{DESCRIPTION}"], 1, 1)

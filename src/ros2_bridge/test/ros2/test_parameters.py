@@ -11,6 +11,7 @@ from typing import Any, Iterator, List
 import both
 import pytest
 import rospy
+from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import (
     Parameter,
     ParameterDescriptor,
@@ -32,10 +33,12 @@ from rclpy.serialization import serialize_message
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.parameters.messages import to_message
+from ros2_bridge.parameters.messages import descriptor, to_message
+from ros2_bridge.parameters.ros1_parameters import Parameter as Known
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
 from ros2_bridge.parameters.ros1_mirror import ParametersToRos1
 from ros2_bridge.parameters.parameter_services import ParametersToRos2
+from ros2_bridge.ros2.client import NoResponse
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.parameters.values import BYTES, DOUBLE, DOUBLES, INTEGER, STRING, STRINGS, changes
 
@@ -246,6 +249,12 @@ def test_stock_node_is_set_and_described_by_dynamic_reconfigure(
     finally:
         process.interrupt()
 
+    def followed() -> List[str]:
+        _, subscribed, _ = rospy.get_master().getSystemState()[2]
+        return dict(subscribed).get("/stock/parameter_updates", [])
+
+    wait_until(lambda: not followed(), lambda: f"{followed()} follow it")
+
 
 def test_node_that_has_just_begun_to_check_is_not_passed_over() -> None:
     written: List[Any] = []
@@ -303,6 +312,8 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     ros.executor.remove_node(node)
     node.destroy_node()
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")
+    service = "/motor_of_ros2/set_parameters"
+    wait_until(lambda: not ros.node.count_clients(service), lambda: "a client stays")
 
 
 def test_malformed_responses_of_ros2_node(ros: both.Both, bridge: both.Bridge) -> None:
@@ -355,6 +366,60 @@ def test_that_a_node_does_not_answer_is_logged_seldom(monkeypatch: "pytest.Monke
     parameters._quiet_until -= 601.0
     parameters._warn_seldom("still")
     assert logged == ["it sleeps", "still"]
+
+
+def test_all_is_written_again_after_a_call_without_an_answer() -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._name, mirror._quiet_until, mirror._is_closed = "/motor", math.inf, False
+    mirror._work, mirror._is_written = queue.SimpleQueue(), True
+
+    def fail() -> None:
+        raise NoResponse("/motor/get_parameters in ROS 2: no answer within 2 s")
+
+    for step in (fail, mirror._end):
+        mirror._work.put(step)
+    mirror._run()
+    mirror.retry_write_all()
+    assert mirror._work.get_nowait() == mirror._write_all
+
+
+def test_unknown_parameter_is_named_once(monkeypatch: "pytest.MonkeyPatch") -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._name, mirror._values, mirror._warned = "/motor", {"gain": 1}, set()
+    for names in (["gain", "gian"], ["gian"], ["xyz"]):
+        mirror._warn_of_unknown(names)
+    said = "the node in ROS 2 has no such parameter"
+    assert lines == [f"/motor/gian: {said}; did you mean gain?", f"/motor/xyz: {said}"]
+
+
+def test_events_name_new_changed_and_deleted_parameters() -> None:
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    events: List[ParameterEvent] = []
+    parameters._other, parameters._turn, parameters._publish = (
+        "/arm",
+        threading.Lock(),
+        events.append,
+    )
+    parameters._clock = SimpleNamespace(now=lambda: SimpleNamespace(to_msg=lambda: Time(sec=5)))
+    parameters._known, parameters._is_known = {}, False
+    for values in ({"a": 1, "b": 1}, {"a": 1, "b": 1}, {"b": 2, "c": 1}):
+        known = {name: Known(plain, INTEGER, None) for name, plain in values.items()}
+        parameters._parameters = SimpleNamespace(read=lambda known=known: known)
+        assert parameters._publish_changes() == values
+    (event,) = events  # its first values are no change
+    parts = (event.new_parameters, event.changed_parameters, event.deleted_parameters)
+    assert [[one.name for one in part] for part in parts] == [["c"], ["b"], ["a"]]
+    assert (event.node, event.stamp.sec) == ("/arm", 5)
+
+
+def test_described_range_has_its_step() -> None:
+    entry = {"type": "float", "minimum": 0.5, "maximum": 2.0, "step": 0.25}
+    (limits,) = descriptor("gain", entry).floating_point_range
+    assert (limits.from_value, limits.to_value, limits.step) == (0.5, 2.0, 0.25)
+    (limits,) = descriptor("count", {"type": "int", "minimum": 1, "step": 2}).integer_range
+    assert (limits.from_value, limits.to_value, limits.step) == (1, 2**31 - 1, 2)
 
 
 def test_failed_write_is_retried_once_at_a_time() -> None:

@@ -1,6 +1,7 @@
 """Services, both ways."""
 
 import contextlib
+import itertools
 import struct
 import threading
 import time
@@ -22,13 +23,17 @@ from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.actions.discovery import Server
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.call_window import QUEUE
+from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.active_pairs import PairBridge
-from ros2_bridge.rules.selection import Route
+from ros2_bridge.rules.selection import Route, Rules
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
-from ros2_bridge.services import ServiceBridge
+from ros2_bridge.services import ServiceBridge, ServiceToRos1, ServiceToRos2
 from ros2_bridge.topics.all_topics import TopicBridge
+from ros2_bridge.types.codec_ops import ConversionError
 
 ADD = "my_robot_package_interfaces/AddTwoInts"
 
@@ -82,15 +87,19 @@ def test_error_is_logged_without_message_field(ros: both.Both, bridge: both.Brid
             over.wait(20.0)
         raise rospy.ServiceException("out of order")
 
+    rospy.set_param("/ros2_bridge/service_timeout", 2.5)
+    bridge.wait_for_log("service_timeout: 5 -> 2.5")
     server = rospy.Service("/broken_sum", raw, fail)
     client = ros.node.create_client(AddTwoInts, "/broken_sum")
     assert client.wait_for_service(20.0)
     hangs = client.call_async(AddTwoInts.Request(a=1))
     fails = client.call_async(AddTwoInts.Request(a=2))  # beside it
     bridge.wait_for_log("a caller in ROS 2 gets no response: ", "/broken_sum", "out of order")
-    bridge.wait_for_log("a caller in ROS 2 gets no response: /broken_sum: no answer within 5 s")
+    bridge.wait_for_log("a caller in ROS 2 gets no response: /broken_sum: no answer within 2.5 s")
     assert not hangs.done() and not fails.done()
     over.set()
+    rospy.set_param("/ros2_bridge/service_timeout", 5.0)
+    bridge.wait_for_log("service_timeout: 2.5 -> 5")
     ros.node.destroy_client(client)
     server.shutdown()
 
@@ -140,6 +149,7 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
         return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
 
     wait_until(is_gone, lambda: "/add is still offered in ROS 1")
+    wait_until(lambda: not ros.node.count_clients("/add"), lambda: "its client stays")
 
 
 def test_burst_of_calls_is_answered_whole_both_ways(ros: both.Both, bridge: both.Bridge) -> None:
@@ -264,6 +274,48 @@ def test_own_services_of_each_ros_are_not_bridged() -> None:
     topics._ros1 = SimpleNamespace(types={route.name: "dynamic_reconfigure/Config"})
     topics._ros2 = {}
     assert topics._kind(route) is None
+
+
+def test_service_is_not_bridged_to_where_it_has_a_server() -> None:
+    nothing: Any = None
+    services = ServiceBridge(nothing, nothing, nothing, nothing, SkipLog(), lambda: 1.0)
+    fake: Any = services
+    routes: List[Route] = []
+    fake._types1 = SimpleNamespace(begin_poll=id, unanswered=dict)
+    fake.update_pairs = routes.extend
+    pair: Any = ServiceToRos1.__new__(ServiceToRos1)
+    services.pairs[Route("/two", False)] = pair
+    ros1 = Ros1Graph({}, {}, {}, {"/both": "/a", "/one": "/a"}, 1)
+    rules, of_ros2 = Rules(True, True, ["*"], []), ("std_srvs/srv/Trigger", "/b")
+    services.update_services(rules, ros1, {"/both": of_ros2, "/two": of_ros2}, {})
+    assert routes == [Route("/one", True), Route("/two", False)]
+    assert services.servers() == {"/two": "/b"}
+    services.update_services(rules, ros1, {}, {})
+    assert services.servers() == {"/two": "/b"}  # until the pair is closed
+
+
+def test_request_that_ros1_cannot_represent_is_answered_with_the_reason() -> None:
+    def refuse(_: bytes) -> bytes:
+        raise ConversionError("a time before 1970")
+
+    pair: Any = ServiceToRos2.__new__(ServiceToRos2)
+    raw = SimpleNamespace(_request_class=SimpleNamespace)
+    pair.kind = SimpleNamespace(raw=raw, cls=SetBool, request=SimpleNamespace(to_ros1=refuse))
+    sent: List[Any] = []
+    pair._answer(SetBool.Request(), sent.append)
+    assert [(one.success, one.message) for one in sent] == [(False, "a time before 1970")]
+
+
+def test_calls_without_an_answer_leave_nothing() -> None:
+    numbers = itertools.count()
+    handle = SimpleNamespace(send_request=lambda _: next(numbers))
+    offered = SimpleNamespace(service_is_ready=lambda: True, handle=handle)
+    participant: Any = SimpleNamespace(create_client=lambda *_: (offered, id))
+    client = Ros2Client(participant, Trigger, "/stuck")
+    for _ in range(2 * QUEUE):
+        with pytest.raises(NoResponse, match="/stuck in ROS 2: no answer within 0.001 s$"):
+            client.call(None, 0.001)
+    assert not client._waiting
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Topics, both ways."""
 
 import contextlib
+import math
 import pathlib
 import struct
 import threading
@@ -22,14 +23,16 @@ from nodekit import Throttle
 from nodekit.message_definitions import parse
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.health.topic_health import TopicCounts
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2 import rcl_take
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.selection import Rules, Route
 from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources
-from ros2_bridge.rules.rates import RateLimit
+from ros2_bridge.rules.rates import MaxRates, RateLimit
 from ros2_bridge.rules.settings import QosProfiles, QosProfile
-from ros2_bridge.rules.skip_log import SkipLog
+from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.one_topic import PairCounters, LatchedMessage, TopicToRos1, TopicToRos2
 from ros2_bridge.topics.publishers import TopicPublishers
@@ -372,6 +375,8 @@ def test_each_node_publishes_its_own_messages() -> None:
     for _ in range(4):
         publishers.update_publishers({"/left", "/right"}, nodes, True)
     assert sorted(owner for _, owner in participant.made.values()) == ["left", "right"]
+    publishers.update_publishers({"/left", "/right"}, {}, False)  # neither is shown any longer
+    assert len(participant.sent) == 4
 
 
 def test_latched_message_moves_to_its_node_without_subscribers() -> None:
@@ -407,6 +412,11 @@ def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
         publishers.publish("/map_server", data, True)
     assert waits == [([(True, "bridge")], [])]
     assert [data for _, data in participant.sent] == [b"meanwhile", b"a", b"b"]
+    closing, participant = keeping_pair()
+    sleeping = SimpleNamespace(sleep=lambda _: closing.close())
+    monkeypatch.setattr("ros2_bridge.topics.publishers.time", sleeping)
+    closing.publish("/map_server", b"a", True)  # while the topic is closed
+    assert not participant.sent and not participant.made
 
 
 def test_lost_ros2_messages_are_counted() -> None:
@@ -430,6 +440,60 @@ def test_lost_ros2_messages_are_counted() -> None:
     pair._forward(False, [ReceivedMessage(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
     assert len(passed) == 4
+    pair.limit.set_rate(0.01)
+    pair._forward(False, [ReceivedMessage(good, b"b", number) for number in (10, 11, 12)])
+    assert (pair.count.passed, pair.count.thinned) == (5, 2)
+    # Nothing is lost while the topic has no subscribers in ROS 1.
+    pair._subscriptions, pair.kind.cls, pair._other = {}, None, "/quick"
+    pair._participant.create_subscription = lambda *_: lambda: None
+    for wanted in ({}, {False: QosProfile(9)}):
+        pair._switch(wanted)
+    pair._forward(False, [ReceivedMessage(good, b"b", 99)])
+    assert pair.count.lost == 3
+
+
+def test_messages_to_ros2_are_counted(ros: both.Both) -> None:
+    participant: Any = Keeping()
+    kind, bridge = ros.types.message("std_msgs/Float32"), cast(Any, SimpleNamespace(name="/bridge"))
+    pair = TopicToRos2(bridge, participant, "/level", "/level", kind, QosProfiles(9, None))
+
+    def forward(data: bytes) -> None:
+        message = kind.raw()
+        message._buff, message._connection_header = data, {"callerid": "/level_sensor"}
+        pair._forward([message])
+
+    pair.limit.set_rate(0.01)
+    forward(bytes(4))
+    forward(bytes(4))
+    pair.limit.set_rate(math.inf)
+    forward(b"")
+    assert pair.counts() == TopicCounts(passed=1, refused=1, thinned=1, held=9 * 8)
+
+
+def test_message_without_a_number_is_not_counted_as_lost(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    codes = [(0, 7), (0, 2**64 - 1), (401, 0), (1, 0)]
+
+    def take(_: Any, __: Any, info: Any, ___: Any) -> int:
+        code, info._obj.publication_sequence_number = codes.pop(0)
+        return code
+
+    monkeypatch.setattr(rcl_take, "_take", take)
+    taker = rcl_take.MessageTaker()
+    handle = SimpleNamespace(pointer=0, get_topic_name=lambda: "/level")
+    first, second, none = (taker.take(handle) for _ in range(3))
+    assert first and second and (first.number, second.number, none) == (7, None, None)
+    with pytest.raises(RuntimeError, match="cannot take a message of /level: 1"):
+        taker.take(handle)
+
+
+def test_subscription_outlasts_a_restart_of_the_publisher() -> None:
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    pair._found = before = SimpleNamespace(offers={True: False}, latched=True)
+    pair.forget_all_but = set
+    pair.follow_publishers(SimpleNamespace(offers={}, senders=set()))
+    assert pair._found is before
 
 
 def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None:
@@ -469,8 +533,28 @@ def test_failing_topic_does_not_affect_others() -> None:
         bridge.follow_subscribers1()
     assert followed == ["wanted"]
     with pytest.raises(RCLError, match="one fails"):
-        bridge.update_topics(Rules(True, True, ["*"], []), Ros1Graph({}, {}, {}, {}, 1), {}, {})
+        rules = Rules(True, True, ["*"], [], max_rates=MaxRates(["/b=5"]))
+        bridge.update_topics(rules, Ros1Graph({}, {}, {}, {}, 1), {}, {})
     assert followed == ["wanted"] * 2
+    limits = [bridge.pairs[Route(name, False)].limit for name in ("/a", "/b")]
+    assert [[limit.passes(now) for now in (0.0, 0.1)] for limit in limits] == [
+        [True, True],
+        [True, False],
+    ]
+
+
+def test_topic_is_closed_when_a_publisher_of_another_definition_joins() -> None:
+    def differ(_: Route) -> bool:
+        raise Unbridgeable("/a: another definition")
+
+    skip_log = SkipLog()
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, skip_log)
+    closed: List[str] = []
+    bridge._ros2, bridge._has_same_type = {}, lambda *_: True
+    bridge._kind, bridge._has_known_definitions = lambda _: "a kind", differ
+    bridge.pairs[Route("/a", False)] = SimpleNamespace(close=lambda: closed.append("/a"))
+    bridge.update_pairs([Route("/a", False)])
+    assert closed == ["/a"] and skip_log.current() == ["/a: another definition"]
 
 
 def test_senders_without_number_are_not_all_remembered() -> None:
@@ -506,6 +590,9 @@ def test_subscriber_with_deadline_and_liveliness_matches_setting(
     plain = ros.node.create_publisher(Float32, "/plain", 7)
     wait_until(lambda: plain.publish(Float32(data=1.0)) or arrived, lambda: "it does not match")
     end()
+    wait_until(lambda: participant.topics() == {"/heartbeat"}, lambda: str(participant.topics()))
+    participant.destroy_publisher(participant.node, publisher)
+    assert not participant.topics()
     participant.close()
     ros.node.destroy_subscription(recorder)
     ros.node.destroy_publisher(plain)

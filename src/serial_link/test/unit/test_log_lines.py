@@ -72,6 +72,8 @@ def test_lines_beyond_20_a_second_are_counted_until_the_next_second(
     monkeypatch.setattr(log_lines, "time", SimpleNamespace(monotonic=lambda: 101.0))
     for number in range(20):
         lines.write(INFO, f"next {number}")
+    monkeypatch.setattr(log_lines, "time", SimpleNamespace(monotonic=lambda: 102.0))
+    lines.write(INFO, "last")
     texts = [line.msg for line in scope.published]
     assert texts[19:22] == ["line 19", "... and 3 more lines in that second", "next 0"]
-    assert texts[-1] == "next 19"
+    assert texts[-2:] == ["next 19", "last"]

@@ -7,10 +7,10 @@ import pytest
 
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
-from nodekit import CallError
+from nodekit import CallError, MutuallyExclusiveCallbackGroup
 from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.types import MalformedMessage, encode
-from serial_link.host.counters import Counters
+from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.negotiation.payloads import SERVICE_CLIENT, SERVICE_SERVER, TopicInfo
 from serial_link.negotiation.topic_table import Endpoint
 
@@ -65,6 +65,7 @@ class FakeContext:
     def call_async(self, request: Any, timeout: float) -> Call:
         if self.answer is None:
             raise CallError("no node offers it")
+        self.timeout = timeout
         self.running.append(Call(self.answer, self.is_late))
         return self.running[-1]
 
@@ -76,7 +77,9 @@ class FakeContext:
         self.requests += 1
 
 
-def test_call_that_fails_requests_the_topics_and_an_answered_one_does_not() -> None:
+def test_call_that_fails_is_logged_and_requests_the_topics_and_an_answered_one_does_not(
+    caplog: "pytest.LogCaptureFixture",
+) -> None:
     for answer, sent, requests in (
         (SetBoolResponse(True, "on"), 1, 0),
         (CallError("not answered within 5 s"), 0, 1),
@@ -86,10 +89,23 @@ def test_call_that_fails_requests_the_topics_and_an_answered_one_does_not() -> N
         service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
         service.receive(encode(SetBoolRequest(True)))
         assert (around.sent, around.requests) == (sent, requests)
+    assert "the board's call failed: not answered within 5 s" in caplog.text
 
 
-def test_call_from_before_a_restart_requests_nothing_after_it() -> None:
-    around: Any = FakeContext(CallError("not answered within 5 s"))
+def test_call_of_the_board_has_the_present_timeout() -> None:
+    around: Any = FakeContext(SetBoolResponse(True, "on"))
+    timeout = 5.0
+    service = CalledService(around, ENDPOINT, around, Counters(), lambda: timeout)
+    timeout = 0.5
+    service.receive(encode(SetBoolRequest(True)))
+    assert around.timeout == 0.5
+
+
+@pytest.mark.parametrize(
+    "answer", [CallError("not answered within 5 s"), SetBoolResponse(True, "on")]
+)
+def test_call_from_before_a_restart_sends_and_requests_nothing_after_it(answer: Any) -> None:
+    around: Any = FakeContext(answer)
     around.is_late = True
     service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
     service.receive(encode(SetBoolRequest(True)))
@@ -119,7 +135,7 @@ class BoardContext:
         return "/" + name
 
     def create_service(self, name: str, _class: Any, call: Any, group: Any) -> None:
-        self.call = call
+        self.call, self.group = call, group
 
     def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         self.on_request()
@@ -169,4 +185,36 @@ def test_call_that_cannot_be_sent_does_not_delay_the_next_one() -> None:
     around.is_sent = False
     with pytest.raises(CallError, match="the board has not announced it again"):
         around.call(SetBoolRequest(True))
+    around.trouble = "the cable is out"
+    with pytest.raises(CallError, match="^/called: the cable is out$"):
+        around.call(SetBoolRequest(True))
     assert service._is_done.is_set()
+
+
+def test_calls_that_the_board_cannot_number_are_made_one_at_a_time() -> None:
+    around: Any = BoardContext()
+    OfferedService(around, OFFERED, around, Counters(), lambda: 5.0)
+    assert isinstance(around.group, MutuallyExclusiveCallbackGroup)
+
+
+def test_call_has_the_present_timeout() -> None:
+    around: Any = BoardContext()
+    timeout = 5.0
+    OfferedService(around, OFFERED, around, Counters(), lambda: timeout)
+    timeout = 0.01
+    with pytest.raises(CallError, match="has not answered within 0.01 s"):
+        around.call(SetBoolRequest(True))
+
+
+def test_request_beyond_the_buffer_of_the_board_is_refused_and_counted() -> None:
+    around: Any = BoardContext()
+    counters = Counters()
+    service = OfferedService(around, OFFERED, around, counters, lambda: 5.0)
+    around.on_request = lambda: service.receive(encode(SetBoolResponse(True, "on")))
+    assert OFFERED.outgoing is not None
+    service.update(OFFERED._replace(outgoing=OFFERED.outgoing._replace(buffer_size=1)))
+    assert around.call(SetBoolRequest(True)).success  # the request has one byte
+    service.update(OFFERED._replace(outgoing=OFFERED.outgoing._replace(buffer_size=0)))
+    with pytest.raises(CallError, match="a message of 1 bytes is not sent: .* buffer has 0"):
+        around.call(SetBoolRequest(True))
+    assert counters.to_dict() == {TOO_LARGE: 1}

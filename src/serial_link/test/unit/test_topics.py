@@ -1,6 +1,6 @@
 """Messages for a topic that the board subscribes to."""
 
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Tuple
 
 import pytest
 from std_msgs.msg import String
@@ -51,7 +51,74 @@ def test_message_that_takes_longer_than_the_library_waits_is_logged_and_sent(
     assert not caplog.text
     around.receive(bytes(108))
     assert "/told: 108 bytes take longer than the 20 ms" in caplog.text
+    around.receive(bytes(280))
+    assert "280 bytes take longer" not in caplog.text  # logged less often than once per message
     around.receive(bytes(281))  # its warning has a separate rate limit
+    around.receive(bytes(282))
     assert "/told: a message of 281 bytes is not sent: the board's buffer has 280" in caplog.text
-    assert [len(payload) for payload in around.sent] == [107, 108]
-    assert counters.to_dict() == {TOO_LARGE: 1}
+    assert "282 bytes" not in caplog.text
+    assert [len(payload) for payload in around.sent] == [107, 108, 280]
+    assert counters.to_dict() == {TOO_LARGE: 2}
+
+
+class Subscription:
+    """Scope of one subscription, which gets a message while it is made."""
+
+    def __init__(self, board: "Board") -> None:
+        self.board, self.is_closed = board, False
+
+    def create_subscription(
+        self, name: str, raw: Any, on_message: Callable[[Any], None], group: Any
+    ) -> None:
+        self.raw, self.on_message = raw, on_message
+        for subscription in self.board.subscriptions:
+            subscription.receive(b"meanwhile")
+        self.receive(b"kept", latching="1")
+
+    def receive(self, payload: bytes, **header: str) -> None:
+        message = self.raw().deserialize(payload)
+        message._connection_header = header
+        self.on_message(message)
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+class Board:
+    """Scope of a topic whose publisher has latched a message, and link to its board."""
+
+    baud = 0
+
+    def __init__(self) -> None:
+        self.subscriptions: List[Subscription] = []
+        self.sent: List[Tuple[str, int, bytes]] = []
+
+    def create_scope(self) -> Subscription:
+        self.subscriptions.append(Subscription(self))
+        return self.subscriptions[-1]
+
+    def resolve(self, name: str) -> str:
+        return "/" + name
+
+    def send(self, info: TopicInfo, payload: bytes) -> None:
+        self.sent.append(("stream", info.topic_id, payload))
+
+    def send_latched(self, info: TopicInfo, payload: bytes) -> None:
+        self.sent.append(("latched", info.topic_id, payload))
+
+
+def test_restarted_board_gets_latched_messages_again_and_others_once_under_the_new_id() -> None:
+    board: Any = Board()
+    endpoint = Endpoint(SUBSCRIBER, *INFO[1:3], None, INFO)
+    topic = SubscribedTopic(board, endpoint, board, Counters())
+    assert board.sent == [("stream", 100, b"meanwhile"), ("latched", 100, b"kept")]
+    board.sent.clear()
+    topic.update(endpoint._replace(outgoing=INFO._replace(topic_id=101)))
+    topic.on_sync()
+    assert board.sent == [("stream", 101, b"meanwhile"), ("latched", 101, b"kept")]
+    before, now = board.subscriptions
+    assert before.is_closed and not now.is_closed
+    board.sent.clear()
+    before.receive(b"kept", latching="1")  # in the thread of the subscription that was closed
+    now.receive(b"later")
+    assert board.sent == [("stream", 101, b"later")]

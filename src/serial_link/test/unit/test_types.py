@@ -36,7 +36,9 @@ def test_transforms_of_rosserials_library_are_those_of_tf2() -> None:
 
 @pytest.mark.parametrize("name", ["no_such_msgs/Bool", "std_msgs/NoSuch", "std_msgs"])
 def test_missing_type_is_rejected_with_message(name: str) -> None:
-    with pytest.raises(TypeRefused, match=f"{name} not found: is .* built and sourced"):
+    with pytest.raises(
+        TypeRefused, match=f"{name} not found: is {name.partition('/')[0]} built and sourced"
+    ):
         message_class(name, "0" * 32)
     with pytest.raises(TypeRefused, match="not found"):
         service_class(name, "0" * 32, "0" * 32)

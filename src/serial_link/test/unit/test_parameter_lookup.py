@@ -6,6 +6,7 @@ from unittest import mock
 
 import pytest
 
+from nodekit.master import MISSING
 from serial_link.nodes import serial_node
 from serial_link.nodes.serial_node import SerialNode
 from serial_link.serial_parameters import SerialParameters
@@ -15,7 +16,8 @@ def test_only_an_own_parameter_is_not_read_from_the_master(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     def read(names: List[str]) -> Any:
-        return SimpleNamespace(values={names[0]: f"{names[0]} of the master"})
+        found = MISSING if names == ["/unset"] else f"{names[0]} of the master"
+        return SimpleNamespace(values={names[0]: found})
 
     client = mock.MagicMock()
     client.return_value.__enter__.return_value.read = read
@@ -25,5 +27,6 @@ def test_only_an_own_parameter_is_not_read_from_the_master(
     around.declare_parameters.return_value.values = SerialParameters(baud=115200)
     node = SerialNode(around)
     assert node._find_parameter("/serial_node/baud") == 115200
+    assert node._find_parameter("/unset") is None
     for name in ("/serial_node/gain", "/other/baud", "/baud"):
         assert node._find_parameter(name) == f"{name} of the master"

@@ -8,10 +8,12 @@ from typing import Any, List
 import pytest
 
 from nodekit.testing.waiting import in_thread, wait_until
+from serial_link.framing.frames import encode
 from serial_link.hardware.ports import PortLost, PortStuck
 from serial_link.host.counters import SENT, SENT_BYTES, STUCK, Counters
 from serial_link.link.frame_writer import FrameWriter
 from serial_link.link.throttled_log import ThrottledLog
+from serial_link.negotiation.payloads import STOP
 
 
 class FakePort:
@@ -93,6 +95,8 @@ def test_frame_is_not_written_before_one_that_waits_or_on_a_closed_port(rig: Rig
     rig.wait_until_idle()
     rig.writer.close_port()
     assert not rig.writer.write_now(b"four")
+    rig.writer.queue.put(1, b"five")
+    rig.wait_until_idle()
     assert rig.port.written == [b"two"]
 
 
@@ -161,6 +165,21 @@ def test_frame_does_not_overtake_a_queued_one() -> None:
     writer.open()
     writer.queue.put(1, b"first")
     assert not writer.write_now(b"second")
+
+
+def test_stop_is_sent_in_place_of_waiting_frames_before_the_call_returns(rig: Rig) -> None:
+    with rig.writer._port_lock:  # as during a write
+        rig.writer.queue.put(1, b"waiting")
+        stopping = in_thread(rig.writer.send_stop)
+        stopping.join(0.1)
+        assert stopping.is_alive()
+    stopping.join(30.0)
+    assert rig.port.written == [encode(STOP, b"")] and rig.writer._has_stopped.is_set()
+
+
+def test_closed_writer_no_longer_waits_for_frames(rig: Rig) -> None:
+    rig.writer.close()
+    assert rig.writer.queue.wait(0.0)
 
 
 class SlowPort(FakePort):

@@ -1,12 +1,15 @@
 """Serial port: its bytes, its loss, and the messages when it cannot be opened."""
 
+import errno
 import fcntl
+import grp
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
 import termios
+from types import SimpleNamespace
 from typing import Iterator, Tuple
 
 import pytest
@@ -170,6 +173,8 @@ def test_without_permission_the_sentence_names_the_group() -> None:
             [sys.executable, "-c", AS_NOBODY, str(place)], stdout=subprocess.PIPE, check=True
         ).stdout.decode()
     assert "permission denied: users of the group" in words
+    if os.getuid() == 0:
+        assert "users of the group dialout" in words  # not root, whose group the file has
     assert "sudo usermod -aG" in words and "$USER" in words
 
 
@@ -178,6 +183,43 @@ def test_invalid_port_is_reported(tmp_path: pathlib.Path) -> None:
     place.touch()
     with pytest.raises(PortUnavailable, match="file cannot be opened: "):
         SerialPort(str(place), 57600).open(0.0)
+
+
+def test_group_that_may_open_the_port_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
+    status = SimpleNamespace(st_uid=0, st_gid=20)
+    monkeypatch.setattr(os, "stat", lambda path: status)
+    names = {0: "root", 20: "uucp"}
+    monkeypatch.setattr(grp, "getgrgid", lambda number: SimpleNamespace(gr_name=names[number]))
+    words = SerialPort("/dev/ttyUSB0", 57600)._why(PermissionError(errno.EACCES, "denied"))
+    assert "users of the group uucp may open it: sudo usermod -aG uucp $USER" in words
+
+
+def test_home_folder_may_be_abbreviated(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setenv("HOME", "/home/student")
+    assert SerialPort("~/.ros/board", 57600).name == "/home/student/.ros/board"
+
+
+def test_end_of_file_is_a_loss(
+    plugged: Tuple[PtyTransport, SerialPort], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    end, port = plugged
+    port.open(0.0)
+    end.write(b"x")
+    monkeypatch.setattr(os, "read", lambda file, count: b"")
+    with pytest.raises(PortLost, match="is gone: end of file"):
+        port.read(5.0)
+    monkeypatch.undo()
+
+
+def test_rest_of_a_message_that_the_system_accepts_in_part_follows(
+    plugged: Tuple[PtyTransport, SerialPort], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    end, port = plugged
+    port.open(0.0)
+    write, sizes = os.write, iter([3])
+    monkeypatch.setattr(os, "write", lambda file, data: write(file, data[: next(sizes, None)]))
+    assert port.write_now(b"message")
+    assert end.read() == b"message"
 
 
 def test_stuck_board_blocks_writer_only_briefly(

@@ -19,6 +19,7 @@ def test_library_has_files_expected_by_arduino_ide(tmp_path: pathlib.Path) -> No
     lines = (library / "library.properties").read_text().splitlines()
     properties = dict(line.split("=", 1) for line in lines)
     assert properties["includes"] == "ros_messages.h" and properties["name"] == "ros_messages"
+    assert properties["sentence"].startswith("Messages and services of pid_control, std_srvs for")
     assert properties["depends"] == "Rosserial Arduino Library (=0.7.8)"
     assert re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])
     # The compiler of the IDE has the folder src alone, and each header finds the others from there.

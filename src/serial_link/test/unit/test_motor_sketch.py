@@ -20,6 +20,7 @@ from serial_link.device.motor_sketch import (
 )
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import encode
+from serial_link.negotiation.payloads import INFO, decode_log
 
 CLASSES = {
     "pid_control/motor_output": motor_output,
@@ -34,10 +35,10 @@ INPUT, LED, ZERO_REQUEST = range(100, 103)
 class Bench:
     """A sketch on a device that was asked for its topics, at 100 s."""
 
-    def __init__(self, floods: bool = False) -> None:
+    def __init__(self, floods: bool = False, rate: float = 100.0) -> None:
         plant = PlantSettings(13.1, 0.04, 13.0, 0.05)
         self.motor, self.controls = Motor(plant, 1320, 100.0), BoardControls(plant)
-        self.sketch = MotorSketch(self.motor, self.controls, 100.0, 100.0, floods)
+        self.sketch = MotorSketch(self.motor, self.controls, rate, 100.0, floods)
         self.device = Device(self.sketch)
         self.device.receive(100.0, encode(0, b""))
         self.device.output()
@@ -83,6 +84,34 @@ def test_status_describes_motor() -> None:
     assert outputs(bench.run(100.001, 0.05))[-1].status == "Motor Not Turning"
     bench.drive(100.05, 1.0)
     assert outputs(bench.run(100.051, 0.3))[-1].status == "Motor Max Speed"
+    bench.drive(100.4, -1.0)
+    assert outputs(bench.run(100.401, 0.05))[-1].status == "Motor Max Speed"
+
+
+def test_rate_does_not_depend_on_the_duration_of_the_loop() -> None:
+    bench = Bench()
+    for step in range(100):
+        bench.device.loop(100.0 + 0.007 * step)
+    assert 68 <= len(outputs(Decoder().feed(bench.device.output()))) <= 71
+
+
+def test_slow_output_does_not_slow_the_potentiometer_down() -> None:
+    bench = Bench(rate=0.1)
+    bench.device.loop(100.0)
+    assert bench.sketch.next_due(100.0) == pytest.approx(100.1)
+
+
+def test_sketch_that_is_started_again_stops_the_motor_and_measures_from_there() -> None:
+    bench = Bench()
+    bench.drive(100.0, 1.0)
+    assert bench.motor.counts(101.0) > 1000
+    sketch = MotorSketch(bench.motor, bench.controls, 100.0, 101.0)
+    assert bench.motor.pwm == 0
+    bench.device = Device(sketch)
+    bench.device.receive(101.0, encode(0, b""))
+    bench.device.output()
+    speeds = [output.output for output in outputs(bench.run(101.001, 0.05))]
+    assert 0.0 < speeds[0] < 20.0
 
 
 def test_replaced_motor_is_used() -> None:
@@ -115,6 +144,8 @@ def test_button_is_published_on_change_and_potentiometer_periodically() -> None:
     bench = Bench()
     frames = bench.run(100.001, 0.3)
     assert [payload for topic, payload in frames if topic == BUTTON] == [b"\0"]
+    frames = Bench().run(100.001, 2.2)
+    assert [payload for topic, payload in frames if topic == BUTTON] == [b"\0"] * 3
     bench.controls.button, bench.controls.potentiometer = True, 1.0
     frames = bench.run(100.301, 0.3)
     assert [payload for topic, payload in frames if topic == BUTTON] == [b"\1"]
@@ -129,7 +160,8 @@ def test_lamp_and_encoder() -> None:
     for data, is_lit in ((b"\1", True), (b"\0", False)):
         bench.device.receive(100.0, encode(LED, data))
         assert bench.sketch.is_lit is is_lit
-    bench.device.output()
+    logged = [decode_log(payload) for topic, payload in Decoder().feed(bench.device.output())]
+    assert logged == [(INFO, "led on"), (INFO, "led off")]
     bench.drive(100.0, 1.0)
     counts = bench.motor.counts(101.0)
     bench.device.receive(101.0, encode(ZERO_REQUEST, b""))

@@ -61,3 +61,9 @@ def test_a_message_beyond_the_buffer_is_dropped_and_counted() -> None:
     receiver, good = Receiver(4), Frame(100, b"good")
     assert receiver.receive(0.0, encode(100, b"large")) == [] and receiver.too_long == 1
     assert receiver.receive(1.0, encode(*good)) == [good] and receiver.too_long == 1
+
+
+def test_damaged_length_is_no_message_beyond_the_buffer() -> None:
+    receiver, data = Receiver(4), bytearray(encode(100, b"some"))
+    data[2] ^= 0x80
+    assert receiver.receive(0.0, bytes(data)) == [] and receiver.too_long == 0

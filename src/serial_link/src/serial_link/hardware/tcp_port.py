@@ -178,8 +178,6 @@ class TcpPort:
             listeners = self._server.listen()
             if not self._server.has_connection(self._slot):
                 ready = select.select([board, *listeners], [], [], timeout)[0]
-                if any(listener in ready for listener in listeners):
-                    self._server.listen()
             if self._server.has_connection(self._slot):
                 raise PortLost(f"{self.name}: replaced by a new connection")
             if board not in ready:

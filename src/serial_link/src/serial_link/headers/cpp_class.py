@@ -148,8 +148,7 @@ def _constant(constant: Constant) -> str:
         return f"static constexpr {_NUMBERS[constant.base]} {name} = {float(constant.value)!r};"
     value = int(constant.value in ("True", "true", "1")) if constant.base == "bool" else None
     number = int(constant.value, 0) if value is None else value
-    wide = "LL" if "64" in constant.base else ""
-    return f"static constexpr {_NUMBERS[constant.base]} {name} = {number}{wide};"
+    return f"static constexpr {_NUMBERS[constant.base]} {name} = {number};"
 
 
 def cpp_type(base: str) -> str:

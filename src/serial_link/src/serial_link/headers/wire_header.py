@@ -80,7 +80,7 @@ inline int get64(const unsigned char *in, float &value) {
     // Round to nearest; a carry correctly goes into the exponent.
     bits = (narrow > 0 ? (uint32_t)(narrow - 1) << 23 : 0) +
            (uint32_t)((whole + ((uint64_t)1 << (lost - 1)) - 1 + ((whole >> lost) & 1)) >> lost);
-    if (narrow >= 0xff || bits > 0x7f800000) bits = 0x7f800000;
+    if (narrow >= 0xff) bits = 0x7f800000;
   }
   bits |= (uint32_t)(wide >> 63) << 31;
   memcpy(&value, &bits, 4);

@@ -7,7 +7,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
-from nodekit import Node, run, to_wire
+from nodekit import Node, run
 from nodekit.master import MISSING, MasterClient
 from serial_link.endpoints.ros_side import RosSide
 from serial_link.hardware.ports import Port
@@ -91,7 +91,7 @@ class SerialNode:
         """
         private, _, own = name.rpartition("/")
         if private == self._node_name and own in SerialParameters.declared:
-            return to_wire(getattr(self._settings.values, own))
+            return getattr(self._settings.values, own)
         with MasterClient(self._node_name, timeout=_MASTER_S) as master:
             found = master.read([name]).values[name]
         return None if found is MISSING else found

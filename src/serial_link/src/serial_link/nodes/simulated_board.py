@@ -35,9 +35,7 @@ class SimulatedBoardNode:
         end: Transport = TcpTransport(values.tcp_address, values.tcp_port)
         if values.link:
             end = PtyTransport(values.link)
-        self._board = node.own(
-            SimulatedBoard(end, values.baud, self._make_device, values.boot_time)
-        )
+        self._board = node.own(SimulatedBoard(end, values.baud, self._make_device))
         self._has_started = False
         node.on_shutdown(self._board.close)  # or the link to its port would remain
         node.create_service("~reset", Trigger, self._reset)

@@ -16,13 +16,24 @@ from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.rosserial_device import Device, Endpoint
-from serial_link.framing.frames import encode
+from serial_link.framing.frames import OLD_REQUEST, encode
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.hardware.tcp_port import TcpServer
 from serial_link.hardware.tcp_slots import parse_slots
 from serial_link.host.counters import Counters
+from serial_link.host.message_queue import DEPTH, MOST_KEPT, MessageQueue
 from serial_link.host.sync_monitor import OVERDUE_S, QUIET_S
-from serial_link.host.sync_states import ASKED, OPENED, TOPIC
+from serial_link.host.sync_states import (
+    ASK,
+    ASKED,
+    OPENED,
+    PROBING,
+    RESTART,
+    SEEKING,
+    SILENT,
+    SYNCED,
+    TOPIC,
+)
 from serial_link.link import board_link
 from serial_link.link.events import (
     LogLine,
@@ -39,6 +50,7 @@ from serial_link.negotiation.payloads import (
     LOG,
     PARAMETER,
     PUBLISHER,
+    SERVICE_SERVER,
     SUBSCRIBER,
     TIME,
     ParameterValues,
@@ -48,9 +60,18 @@ from serial_link.negotiation.payloads import (
     encode_time,
     encode_topic,
 )
-from serial_link.negotiation.topic_table import SETTLED_S
+from serial_link.negotiation.topic_table import MOST_ROUNDS, SETTLED_S
 
 BAUD = 115200
+
+
+def topic_info(number: int, name: str, size: int = 512) -> TopicInfo:
+    return TopicInfo(number, name, "std_msgs/Empty", "d" * 32, size)
+
+
+def drain(queue: MessageQueue) -> List[Any]:
+    """Take all messages out of a queue."""
+    return list(iter(lambda: queue.get(0.0), None))
 
 
 class Talker:
@@ -192,12 +213,14 @@ def test_messages_that_are_handled_immediately_do_not_go_into_the_inbox(rig: Rig
     assert not any(isinstance(event, Message) for event in left)
 
 
-def test_messages_without_board_are_counted_and_loss_is_logged(rig: Rig) -> None:
+def test_messages_without_board_are_counted_and_loss_is_logged(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
     rig.start()
     info = rig.fetch_until(Topics).endpoints[-1].outgoing
     rig.fetch_until(Synced)
     rig.board.faults = Faults(is_plugged=False)
-    assert "is gone" in rig.fetch_until(Restarted).why
+    assert "is gone" in rig.fetch_until(Restarted).why and "is gone" in caplog.text
     wait_until(lambda: "does not exist" in rig.link.trouble, lambda: rig.link.trouble)
     rig.link.send(info, b"")
     assert not rig.link.send_reliable(info, b"")
@@ -266,11 +289,184 @@ def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
     assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
 
 
-def test_malformed_announcement_requires_another_round(rig: Rig) -> None:
+@pytest.mark.parametrize(
+    ("data", "counter"),
+    [
+        (encode(PUBLISHER, b"x"), "malformed"),
+        (encode(PUBLISHER, b"x")[:-1] + b"x", "fault: checksum"),
+    ],
+)
+def test_malformed_or_damaged_announcement_requires_another_round(
+    rig: Rig, data: bytes, counter: str
+) -> None:
     rig.link._topics.begin_round(1.0)
-    rig.link._receive_bytes(1.0, encode(PUBLISHER, b"x"))
-    assert rig.link.all_counters()["malformed"] == 1
+    rig.link._receive_bytes(1.0, data)
+    assert rig.link.all_counters()[counter] == 1
     assert rig.link._topics.end_round(9.0) is False
+
+
+def test_topics_are_requested_again_if_the_answer_may_have_been_damaged(rig: Rig) -> None:
+    rig.link._sync.state = SEEKING
+    rig.link._receive_bytes(1.0, b"damaged")
+    assert rig.link._sync.state == ASKED and rig.link.all_counters()["asked"] == 1
+    rig.link._sync.state = SEEKING
+    rig.link._sync._asked_at = -math.inf
+    rig.link._receive_bytes(2.0, encode(LOG, encode_log(INFO, "good")))
+    assert rig.link._sync.state == SEEKING
+
+
+def test_topics_of_a_damaged_round_are_incomplete_and_the_board_not_yet_synced(rig: Rig) -> None:
+    rig.link._sync.state = SYNCED
+    rig.link._topics.begin_round(1.0)
+    rig.link._topics.mark_damaged()
+    rig.link._end_round(2.0)
+    assert drain(rig.link.inbox) == [Topics([], False)]
+    rig.link._topics._rounds = MOST_ROUNDS  # no further round, although topics may be missing
+    rig.link._topics.mark_damaged()
+    rig.link._end_round(9.0)
+    assert drain(rig.link.inbox) == [Topics([], False), Synced()]
+
+
+def test_surplus_topic_is_logged(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
+) -> None:
+    monkeypatch.setattr("serial_link.negotiation.topic_table.MOST_TOPICS", 0)
+    rig.link._receive_bytes(1.0, encode(PUBLISHER, encode_topic(topic_info(125, "speed"))))
+    assert "the board has too many topics" in caplog.text
+
+
+def test_only_an_unknown_id_of_a_topic_requests_the_topics(rig: Rig) -> None:
+    rig.link._sync.state = SYNCED
+    asked = []
+    for topic_id in (99, 100):
+        rig.link._receive_bytes(1.0, encode(topic_id, b""))
+        asked.append(rig.link.all_counters().get("asked", 0))
+    assert asked == [0, 1]
+
+
+def test_frame_beyond_the_announced_buffers_is_damage(rig: Rig) -> None:
+    rig.link._sync.state = SYNCED
+    rig.link._topics.begin_round(1.0)
+    rig.link._topics.add(1.0, PUBLISHER, topic_info(125, "speed", 64))
+    rig.link._end_round(2.0)
+    rig.link._receive_bytes(3.0, encode(125, bytes(57)))
+    assert rig.link.all_counters()["fault: length"] == 1
+
+
+def test_board_with_a_slow_loop_has_time_for_its_announcements(rig: Rig) -> None:
+    rig.link._sync._loop_s = 5.0
+    rig.link._execute(1.0, [ASK])
+    assert rig.link._topics.end_round(6.0) is None
+
+
+def test_messages_and_calls_of_a_topic_that_falls_behind_displace_no_others(rig: Rig) -> None:
+    add = rig.link._topics.add
+    add(1.0, PUBLISHER, topic_info(125, "speed"))
+    add(1.0, PUBLISHER, topic_info(126, "button"))
+    add(1.0, SERVICE_SERVER, topic_info(127, "zero"))
+    add(1.0, SERVICE_SERVER + SUBSCRIBER, topic_info(100, "zero"))
+    calls = board_link._INBOX_DEPTH + 1
+    rig.link._receive_bytes(1.0, encode(126, b""))
+    rig.link._receive_bytes(1.0, calls * (encode(125, b"") + encode(127, b"")))
+    names = [message.endpoint.name for message in drain(rig.link.inbox)]
+    assert [names.count(name) for name in ("speed", "button", "zero")] == [1, 1, calls]
+
+
+def test_dropped_and_refused_messages_are_counted_by_direction(rig: Rig) -> None:
+    lines = board_link._INBOX_DEPTH + 1
+    data = lines * encode(LOG, encode_log(INFO, "hot"))
+    rig.link._receive_bytes(1.0, data)
+    for _ in range(DEPTH + 1):
+        rig.link._outgoing_queue.put("speed", b"")
+    for queue, surplus in ((rig.link.inbox, 1), (rig.link._outgoing_queue, 2)):
+        for _ in range(MOST_KEPT + surplus):
+            queue.put_reliable(b"")
+    figures = rig.link.all_counters()
+    assert figures["dropped for newer ones, to ROS"] == lines - 1
+    assert figures["dropped for newer ones, to the board"] == DEPTH
+    assert figures["not kept"] == 3
+    assert (figures["received"], figures["received bytes"]) == (lines, len(data))
+
+
+def test_stream_displaces_no_latched_message_of_its_topic(rig: Rig) -> None:
+    rig.link._sync.state = SYNCED
+    rig.link._topics.add(1.0, SUBSCRIBER, topic_info(100, "told"))
+    for _ in range(DEPTH + 1):
+        rig.link.send_latched(topic_info(100, "told"), b"latched")
+        rig.link.send(topic_info(100, "told"), b"stream")
+    waiting = drain(rig.link._outgoing_queue)
+    assert waiting.count(encode(100, b"latched")) == DEPTH + 1
+    assert waiting.count(encode(100, b"stream")) == 1
+
+
+@pytest.mark.parametrize("state", [SYNCED, SILENT, PROBING])
+def test_board_gets_messages_while_it_is_probed(rig: Rig, state: str) -> None:
+    rig.link._sync.state = state
+    rig.link._topics.add(1.0, SUBSCRIBER, topic_info(100, "told"))
+    assert rig.link.send_reliable(topic_info(100, "told"), b"") and rig.link.trouble == ""
+
+
+def test_restart_drops_what_was_for_the_board_before(rig: Rig) -> None:
+    rig.link._is_open = True
+    rig.link._topics.add(1.0, PUBLISHER, topic_info(125, "speed"))
+    rig.link._receive_bytes(1.0, encode(TIME, bytes(8)))
+    rig.link._sync.restarts = 1
+    rig.link._execute(1.1, [RESTART])
+    assert rig.link._topics.endpoints() == [] and drain(rig.link._outgoing_queue) == []
+    rig.link._receive_bytes(1.1, encode(TIME, bytes(8)))  # its clock is at zero again
+    assert len(drain(rig.link._outgoing_queue)) == 1
+    rig.link._execute(30.0, [RESTART])
+    first, second = (arrival.why for arrival in drain(rig.link.inbox))
+    assert first == "the board was restarted" and "silent for 11 s" in second
+
+
+def test_answer_for_a_board_that_is_gone_does_not_wait_for_the_next_one(rig: Rig) -> None:
+    rig.link.answer(PARAMETER, b"")
+    assert drain(rig.link._outgoing_queue) == []
+
+
+def test_old_protocol_is_tried_only_with_a_board_that_does_not_answer(rig: Rig) -> None:
+    request = encode(PUBLISHER, b"")
+    rig.link._spoke_at = 1.0
+    sent = []
+    for now, state in ((1.0, ASKED), (5.0, ASKED), (9.0, SYNCED)):
+        rig.link._sync.state = state
+        rig.link._execute(now, [ASK])
+        sent.append(drain(rig.link._outgoing_queue))
+    assert sent == [[request], [request, OLD_REQUEST], [request]]
+
+
+def test_silence_is_explained_only_for_a_board_that_is_not_synced(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    for state, count in ((SYNCED, 0), (SEEKING, 1)):
+        rig.link._sync.state = state
+        rig.link._explain_silence(100.0)
+        assert caplog.text.count("the board sends nothing") == count
+    assert f"at {BAUD} baud" in caplog.text
+    assert caplog.records[-1].levelname == "WARNING"
+
+
+def test_stopped_board_is_no_longer_read(rig: Rig, monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(rig.link._port, "read", lambda timeout: encode(140, b""))
+    rig.link._is_open = True
+    rig.link.send_stop()
+    rig.link._read()
+    assert rig.link.all_counters()["received"] == 0
+
+
+def test_request_on_demand_is_dropped_while_the_board_is_not_synced(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(rig.link._port, "read", lambda timeout: b"")
+    rig.link._is_open = True
+    asked = []
+    for state in (ASKED, SYNCED):
+        rig.link._sync.state = state
+        rig.link.request_topics()
+        rig.link._read()
+        asked.append(rig.link.all_counters().get("asked", 0))
+    assert asked == [0, 1]
 
 
 def test_board_on_a_slow_line_has_time_for_its_answer_and_for_each_announcement(
@@ -286,23 +482,31 @@ def test_board_on_a_slow_line_has_time_for_its_answer_and_for_each_announcement(
 
 
 def test_time_to_answer_starts_when_the_port_is_opened(
-    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
 ) -> None:
     monkeypatch.setattr("serial_link.link.board_link._NO_ANSWER_S", TIMEOUT_S)
+    caplog.set_level(logging.INFO, "rosout")
     rig.end.plug()
     rig.link._spoke_at = -math.inf  # the board was last heard long ago
+    rig.link._trouble = "the port does not exist"
     rig.link._try_to_open()
     rig.link._explain_silence(time.monotonic())
     assert rig.link.trouble == "waiting for the board's answer"
+    assert f"open at {BAUD} baud" in caplog.text
 
 
 def test_longer_messages_than_those_of_the_previous_board_are_accepted(rig: Rig) -> None:
     rig.link._reader.accept_up_to(64)
+    rig.link._receive_bytes(0.5, b"noise" + encode(LOG, encode_log(INFO, "cut off"))[:9])
+    faults = rig.link.all_counters()
     rig.end.plug()
     rig.link._try_to_open()
+    assert rig.link._reader.explain_silence().startswith("the board sends nothing")
     text = 100 * "x"
     rig.link._receive_bytes(1.0, encode(LOG, encode_log(INFO, text)))
     assert rig.link.inbox.get(0.0) == LogLine(INFO, text)
+    for name in ("fault: checksum", "fault: cut off", "fault: garbage bytes"):
+        assert rig.link.all_counters().get(name, 0) == faults.get(name, 0)
 
 
 def test_parameter_request_that_arrived_during_a_pause_of_the_host_is_not_pending(
@@ -322,6 +526,20 @@ def test_parameter_request_that_arrived_during_a_pause_of_the_host_is_not_pendin
     assert is_pending == [False, True]
 
 
+def test_absence_of_the_board_is_no_pause_of_the_host(
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    now = 100.0
+    monkeypatch.setattr(board_link, "time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr(rig.link._port, "open", lambda timeout: False)
+    rig.link.parameter_requests.poll(now)
+    for now in (100.5, 101.0):
+        rig.link._read()
+    rig.link.parameter_requests.poll(101.5)
+    number = rig.link.parameter_requests.add(101.5)
+    assert rig.link.parameter_requests.is_pending(101.5, number)
+
+
 def test_simultaneous_time_requests_get_one_answer(rig: Rig) -> None:
     rig.link._receive_bytes(1.0, 5 * encode(TIME, bytes(8)))
     assert [rig.link._outgoing_queue.get(0.0) for _ in "ab"] == [
@@ -337,8 +555,11 @@ def test_missing_board_is_logged_once_per_absence(
 ) -> None:
     missing = "does not exist: is the board plugged in"
     rig.link._throttled_log = ThrottledLog(math.inf)  # time alone lifts no limit
+    for _ in "ab":
+        rig.link._try_to_open()
+    assert caplog.text.count(missing) == 1
     rig.start()
-    for losses in (1, 2):
+    for losses in (2, 3):
         rig.board.faults = Faults()
         rig.fetch_until(Synced)
         rig.board.faults = Faults(is_plugged=False)
@@ -359,7 +580,7 @@ def test_wait_for_the_first_board_is_logged_once_with_the_address(
         with socket.create_connection(("localhost", number)):
             wait_until(lambda: ": open" in caplog.text, lambda: caplog.text)
         wait_until(lambda: link.trouble == waits, lambda: link.trouble)
-        assert caplog.text.count(waits) == 1
+        assert caplog.text.count(waits) == 1 and " baud" not in caplog.text
     finally:
         link.close()
 

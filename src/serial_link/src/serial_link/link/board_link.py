@@ -101,7 +101,6 @@ class BoardLink:
     def close(self) -> None:
         """Stop the threads, and close the port."""
         self._is_over.set()
-        self.inbox.close()
         self._writer.close()
         for thread in self._threads:
             if thread.ident is not None:
@@ -243,8 +242,7 @@ class BoardLink:
                 self._execute(now, self._sync.ask(now))
         if not self._topics.is_settled:
             self._end_round(now)
-        if self._spoke_at != now:
-            self._explain_silence(now)
+        self._explain_silence(now)
 
     def _try_to_open(self) -> None:
         try:
@@ -264,7 +262,6 @@ class BoardLink:
         self._throttled_log.reset()
         self._trouble = ""
         self._reader.open()
-        self._is_new = True
         self._spoke_at = now
         self._counters.add(counters.OPENINGS)
         at = f" at {self._port.baud} baud" if self._port.baud else ""

@@ -19,6 +19,7 @@ from serial_link.host.sync_states import (
     OPENED,
     PROBE,
     RESTART,
+    SEEKING,
     SILENT,
     TIME,
     TOPIC,
@@ -170,6 +171,86 @@ def test_slow_sketch_that_was_reset_is_asked_again() -> None:
     answers = [monitor.handle(29.0, TIME) for _ in range(actions.count(PROBE))]
     assert answers[1] == [RESTART, ASK] and [ASK] not in answers
     assert monitor.state == ASKED and monitor.restarts == 1
+    # Not of the ten seconds after which it answered the probe.
+    assert monitor.patience == SILENT_ITERATIONS * 5.0
+
+
+def slow_monitor() -> SyncMonitor:
+    """Return a monitor of a board whose loop takes five seconds, at 10 s."""
+    monitor = synced_monitor()
+    for now in (5.0, 10.0):
+        monitor.handle(now, MESSAGE)
+        monitor.handle(now, TIME)
+    assert monitor.patience == SILENT_ITERATIONS * 5.0
+    return monitor
+
+
+def test_answer_in_the_middle_of_a_slow_loop_or_to_a_probe_does_not_shorten_it() -> None:
+    monitor = slow_monitor()
+    monitor.ask(10.0)
+    monitor.handle(11.0, TIME)
+    monitor.handle(11.0, TOPIC)
+    monitor.handle(12.0, TIME)
+    assert monitor.patience == SILENT_ITERATIONS * 5.0
+
+
+def test_slow_board_has_time_for_an_answer_before_the_next_question() -> None:
+    monitor = slow_monitor()
+    assert monitor.handle(20.0, UNKNOWN) == [ASK]
+    assert monitor.handle(20.0 + 1.4 * 5.0, UNKNOWN) == []
+    assert monitor.handle(20.0 + 1.6 * 5.0, UNKNOWN) == [ASK]
+
+
+def test_next_board_at_the_port_is_not_taken_for_slow() -> None:
+    monitor = slow_monitor()
+    monitor.handle(10.0, LOST)
+    monitor.handle(11.0, OPENED)
+    assert monitor.patience == QUIET_S
+
+
+@pytest.mark.parametrize("events", [[LOST, OPENED], [TIME, TIME]])
+def test_pauses_between_questions_begin_anew_after_a_restart(events: List[str]) -> None:
+    monitor = synced_monitor()
+    for step in range(1, 200):
+        monitor.handle(0.1 * step, UNKNOWN)
+    monitor.poll(21.0)
+    assert monitor.state == SILENT
+    for event in events:
+        monitor.handle(21.0, event)
+    monitor.handle(21.1, TOPIC)
+    assert monitor.handle(21.5, UNKNOWN) == [ASK]
+
+
+def test_question_on_demand_is_followed_by_a_pause() -> None:
+    monitor = synced_monitor()
+    assert monitor.ask(5.0) == [ASK] and monitor.handle(5.1, UNKNOWN) == []
+
+
+def test_loss_of_a_board_that_is_probed_is_no_restart() -> None:
+    monitor = synced_monitor()
+    monitor.poll(QUIET_S)
+    monitor.handle(QUIET_S, TIME)
+    assert monitor.state == PROBING and monitor.handle(0.4, LOST) == [RESTART]
+    assert monitor.restarts == 0
+
+
+def test_topics_on_a_slow_line_may_follow_the_time_request_later() -> None:
+    monitor = SyncMonitor(0.5)
+    monitor.handle(0.0, OPENED)
+    run(monitor, 0.0, 2.0)
+    monitor.handle(2.0, TIME)
+    assert monitor.state == HEARD and monitor.next_due() == 2.0 + FOLLOWS_S + 0.5
+
+
+def test_answers_without_topics_do_not_add_up_over_restarts() -> None:
+    monitor = SyncMonitor()
+    for start in (0.0, 10.0):
+        monitor.handle(start, OPENED)
+        monitor.handle(start + 0.01, TIME)
+        monitor.poll(start + QUIET_S)
+        assert monitor.state == SEEKING
+        monitor.handle(start + 1.0, TOPIC)
+        monitor.handle(start + 2.0, LOST)
 
 
 def test_sketch_without_topics_is_synced_by_the_second_answer() -> None:

@@ -43,8 +43,8 @@ TIME_EVERY_S, LATE_S, OVERDUE_S = 2.5, 0.2, 11.0
 SILENT_ITERATIONS = 1.5
 #: After this many topic requests answered only by a time request, the sketch has no topics.
 EMPTY_ANSWERS = 2
-#: Events that prove that the board is configured. TIME proves it only outside SYNCED: a board that
-#: was reset requests the time whenever it receives a byte 0xff.
+#: Events that prove that the board is configured. TIME does not: a board that was reset requests
+#: the time whenever it receives a byte 0xff.
 _PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
 
 
@@ -96,7 +96,7 @@ class SyncMonitor:
             self._learn_loop_time(now)
         elif event == TOPIC:
             self._receive_answer(now)
-        if event in _PROOFS or (event == TIME and was != SYNCED):
+        if event in _PROOFS:
             self._proven_at = now
         if event in _PROOFS or event == TIME:
             self._alive_at = now
@@ -176,7 +176,7 @@ class SyncMonitor:
         period, self._time_at = now - self._time_at, now
         if self.state != PROBING:
             self._loop_before_s = self._loop_s
-        if self.state in (SYNCED, SILENT, PROBING) and self._is_answered and period < math.inf:
+        if self.state in (SYNCED, SILENT, PROBING) and period < math.inf:
             if period > TIME_EVERY_S + LATE_S + self._frame_s:
                 self._loop_s = period
             elif period > TIME_EVERY_S - LATE_S:

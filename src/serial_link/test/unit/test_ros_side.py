@@ -3,8 +3,10 @@
 import threading
 import time
 from typing import Any, Iterator, List, Tuple
+from unittest import mock
 
 import pytest
+import rospy
 from std_msgs.msg import UInt32
 
 from nodekit.testing.waiting import wait_until
@@ -12,13 +14,17 @@ from serial_link.endpoints.ros_side import RosSide
 from serial_link.host.counters import MALFORMED, REFUSED, Counters
 from serial_link.host.message_queue import MessageQueue
 from serial_link.host.parameter_requests import ParameterRequests
-from serial_link.link.events import Message, ParameterRequest, Restarted, Topics
+from serial_link.link.events import LogLine, Message, ParameterRequest, Restarted, Topics
 from serial_link.negotiation.payloads import (
+    WARN,
     PUBLISHER,
     SERVICE_CLIENT,
     SERVICE_SERVER,
+    SUBSCRIBER,
+    ParameterValues,
     TopicInfo,
     decode_values,
+    encode_values,
 )
 from serial_link.negotiation.topic_table import Endpoint
 
@@ -37,7 +43,7 @@ class FakeContext:
     def __init__(self) -> None:
         self.inbox = MessageQueue()
         self.parameter_requests = ParameterRequests()
-        self.topic_requests = 0
+        self.topic_requests = self.closed = 0
         self.answers: List[str] = []
         #: Published values, each with its thread; publishing waits until ``is_held`` is set.
         self.published: List[Tuple[int, threading.Thread]] = []
@@ -61,7 +67,7 @@ class FakeContext:
         return "/" + name
 
     def close(self) -> None:
-        pass
+        self.closed += 1
 
     def request(self, name: str) -> None:
         number = self.parameter_requests.add(time.monotonic())
@@ -113,6 +119,7 @@ def test_only_the_last_parameter_request_before_the_topics_is_answered(rig: Rig)
     rig.context.request("second")
     rig.context.inbox.put_reliable(Topics([], True))
     rig.wait_for_answers("/second")
+    rig.context.inbox.put_reliable(Topics([], True))
     rig.context.request("third")
     rig.wait_for_answers("/second", "/third")
 
@@ -135,17 +142,20 @@ def test_parameter_request_after_a_restart_is_answered_once_the_topics_are_known
     rig.wait_for_answers("/early")
 
 
-def test_parameter_whose_next_request_arrives_first_is_not_answered(rig: Rig) -> None:
+def test_parameter_whose_next_request_arrives_first_is_not_answered(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
     rig.context.inbox.put_reliable(Topics([], True))
     rig.context.request("slow")
     rig.wait_for_answers("/next")
+    assert "the board's request for slow is not answered: it may have timed out" in caplog.text
 
 
 @pytest.mark.parametrize(
     ("kind", "requests"), [(SERVICE_CLIENT, 1), (SERVICE_SERVER, 0), (PUBLISHER, 0)]
 )
 def test_only_a_call_of_a_refused_service_requests_the_topics(
-    rig: Rig, kind: int, requests: int
+    rig: Rig, kind: int, requests: int, caplog: "pytest.LogCaptureFixture"
 ) -> None:
     outgoing = None if kind == PUBLISHER else INFO
     endpoint = Endpoint(kind, INFO.name, INFO.type, INFO, outgoing)
@@ -155,6 +165,8 @@ def test_only_a_call_of_a_refused_service_requests_the_topics(
     rig.context.request("first")  # handled after the message
     rig.wait_for_answers("/first")
     assert (rig.refused(), rig.context.topic_requests) == (1, requests)
+    assert caplog.text.count("the board's calls end with an unchanged response") == requests
+    assert rig.context.closed == 1
 
 
 def value(number: int) -> bytes:
@@ -179,6 +191,7 @@ def test_message_of_an_open_topic_is_published_in_the_calling_thread(rig: Rig) -
     rig.context.inbox.put_reliable(Topics([], True))
     wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
     assert not rig.context.receive_now(TOPIC, value(4))  # the board no longer publishes it
+    assert rig.context.closed == 1
 
 
 def test_topic_stays_open_after_a_restart_until_the_board_has_announced_all(rig: Rig) -> None:
@@ -201,12 +214,130 @@ def test_message_does_not_overtake_an_unfinished_one(rig: Rig) -> None:
     rig.context.is_held.set()
 
 
-def test_faulty_messages_are_counted_or_logged_in_the_calling_thread(
+def test_faulty_messages_are_counted_or_logged_in_either_thread(
     rig: Rig, caplog: "pytest.LogCaptureFixture"
 ) -> None:
     publish_first(rig)
+    rig.context.inbox.put(1, Message(TOPIC, b"x"))
+    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
     assert rig.context.receive_now(TOPIC, b"x")
-    assert rig.counters.to_dict() == {MALFORMED: 1}
+    assert rig.counters.to_dict() == {MALFORMED: 2}
     assert rig.context.receive_now(TOPIC, value(FAILS))
     assert "RuntimeError: publishing failed" in caplog.text
     assert rig.context.receive_now(TOPIC, value(2))
+
+
+def test_closed_side_no_longer_waits_for_events(rig: Rig) -> None:
+    rig.side.close()
+    assert rig.context.inbox.wait(0.0)
+
+
+class Left:
+    """ROS side of the board "left", without a thread; its topics and services are mocks."""
+
+    def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
+        self.scope, self.link = mock.Mock(), mock.Mock()
+        self.scope.name = "/serial_node"
+        self.scope.resolve = lambda name: "/" + name
+        self.find = mock.Mock(return_value="text")
+        self.side = RosSide(self.scope, self.link, Counters(), lambda: 5.0, self.find, "left")
+        self.create = mock.Mock()
+        monkeypatch.setattr(self.side, "_create", self.create)
+        self.handle = self.side._handle
+
+    def announce(self, *endpoints: Endpoint, is_complete: bool = True) -> None:
+        self.handle(Topics(list(endpoints), is_complete))
+
+    def created(self) -> List[str]:
+        return [call[0][1].name for call in self.create.call_args_list]
+
+
+@pytest.fixture
+def left(monkeypatch: "pytest.MonkeyPatch") -> Left:
+    return Left(monkeypatch)
+
+
+def test_log_and_topics_of_a_named_board_are_in_its_namespace(
+    left: Left, caplog: "pytest.LogCaptureFixture", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(rospy, "get_rostime", lambda: rospy.Time(12))
+    caplog.set_level("INFO", "rosout")
+    left.handle(LogLine(WARN, "hot"))
+    publish = left.scope.create_publisher.return_value.publish
+    assert publish.call_args[0][0].name == "/serial_node/left"
+    left.announce(TOPIC, TOPIC._replace(name="/global"))
+    assert left.created() == ["left/count", "/global"]
+    left.announce()
+    assert "the board no longer publishes left/count" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("name", "resolved"), [("gain", "/left/gain"), ("~gain", "/~gain"), ("/gain", "//gain")]
+)
+def test_parameter_of_a_named_board_is_in_its_namespace_unless_private_or_global(
+    left: Left, name: str, resolved: str
+) -> None:
+    left.announce()
+    left.handle(ParameterRequest(name, 1))
+    left.find.assert_called_once_with(resolved)
+
+
+def test_parameter_is_answered_empty_if_the_master_does_not_answer_or_a_buffer_is_too_small(
+    left: Left, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    small = TOPIC._replace(kind=SUBSCRIBER, incoming=None, outgoing=COUNT._replace(buffer_size=15))
+    large = small._replace(name="large", outgoing=COUNT._replace(topic_id=100))
+    left.announce(small, large)
+    left.handle(ParameterRequest("long", 1))
+    left.find.side_effect = ConnectionError("no master")
+    left.handle(ParameterRequest("gain", 2))
+    empty = encode_values(ParameterValues())
+    assert [call[0][1] for call in left.link.answer.call_args_list] == [empty, empty]
+    assert "the board's buffer has 15" in caplog.text
+    assert "asks for gain: no master" in caplog.text
+
+
+def test_new_ids_and_the_reason_of_a_loss_reach_an_open_topic(left: Left) -> None:
+    left.announce(TOPIC)
+    moved = TOPIC._replace(incoming=COUNT._replace(topic_id=127))
+    left.announce(moved)
+    left.create.return_value.update.assert_called_with(moved)
+    left.handle(Restarted("the cable is out"))
+    left.create.return_value.on_lost.assert_called_once_with("the cable is out")
+    assert left.created() == ["left/count"]
+
+
+def test_topic_of_another_type_and_name_stays_open_until_all_are_announced(left: Left) -> None:
+    left.announce(TOPIC)
+    left.handle(Restarted("the board was restarted"))
+    other = TOPIC._replace(name="other", type="std_msgs/Bool")
+    left.announce(other, is_complete=False)
+    assert not left.scope.create_scope.return_value.close.called
+    left.handle(Restarted("the board was restarted"))
+    left.announce(TOPIC._replace(type="std_msgs/Bool"), is_complete=False)  # the same name
+    assert left.scope.create_scope.return_value.close.called
+
+
+def test_topic_that_cannot_be_opened_is_closed_and_retried_after_a_pause(left: Left) -> None:
+    left.create.side_effect = RuntimeError("no more descriptors")
+    with pytest.raises(RuntimeError):
+        left.announce(TOPIC)
+    with pytest.raises(RuntimeError):
+        left.handle(None)
+    left.handle(None)
+    assert left.scope.create_scope.return_value.close.call_count == 2
+
+
+def test_topic_that_ros_refuses_is_named(left: Left, caplog: "pytest.LogCaptureFixture") -> None:
+    left.create.side_effect = rospy.ROSException("it has another type in this node")
+    left.announce(TOPIC)
+    assert "left/count is refused: it has another type in this node" in caplog.text
+
+
+def test_topic_of_the_board_with_an_invalid_buffer_is_refused(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    outgoing = COUNT._replace(buffer_size=0)
+    endpoint = TOPIC._replace(kind=SUBSCRIBER, incoming=None, outgoing=outgoing)
+    rig.side._handle(Topics([endpoint], True))
+    assert "count is refused: its buffer has 0 bytes" in caplog.text

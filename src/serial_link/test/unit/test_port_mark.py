@@ -5,6 +5,7 @@ import pathlib
 import subprocess
 import sys
 from typing import Iterator
+from unittest import mock
 
 import pytest
 
@@ -83,7 +84,9 @@ def test_link_without_matching_mark_is_followed(tmp_path: pathlib.Path) -> None:
 def left(tmp_path: pathlib.Path) -> Iterator[pathlib.Path]:
     """Return the link of a killed board, for a test to corrupt its mark."""
     leave_link(tmp_path / "board")
+    files = os.listdir("/proc/self/fd")
     assert is_left_behind(str(tmp_path / "board"))
+    assert os.listdir("/proc/self/fd") == files
     yield tmp_path / "board"
 
 
@@ -133,6 +136,26 @@ def test_process_that_the_system_hides_has_not_ended(
     write_mark(str(left))
     monkeypatch.setattr(port_mark, "_began", lambda pid: "")  # as with hidepid
     assert not is_left_behind(str(left))
+
+
+def test_process_of_another_user_has_not_ended(
+    left: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    write_mark(str(left))  # of this process
+    monkeypatch.setattr(os, "kill", mock.Mock(side_effect=PermissionError))
+    assert not is_left_behind(str(left))
+
+
+def test_process_whose_number_another_one_has_now_has_ended(left: pathlib.Path) -> None:
+    _, began, *others = mark_of(left).read_text().split(" ")
+    mark_of(left).write_text(" ".join([str(os.getpid()), began, *others]))
+    assert is_left_behind(str(left))
+
+
+def test_name_of_a_program_may_have_brackets(monkeypatch: "pytest.MonkeyPatch") -> None:
+    words = ["7", "(an", "odd)", "name)", *map(str, range(30))]
+    monkeypatch.setattr(port_mark, "_words", lambda path: words)
+    assert port_mark._began(7) == "19"
 
 
 def test_only_own_link_is_removed(tmp_path: pathlib.Path) -> None:

@@ -7,6 +7,8 @@ import subprocess
 import sys
 from typing import Iterator
 
+import pytest
+from serial_link.hardware import port_users
 from serial_link.hardware.port_users import find_port_users
 
 HOLD = "import sys; file = open(sys.argv[1]); print(flush=True); sys.stdin.read()"
@@ -39,7 +41,8 @@ def test_a_holder_is_found_whatever_it_calls_the_file(tmp_path: pathlib.Path) ->
         for name in (board, other, link):
             (found,) = find_port_users(str(name))
             assert found.pid == pid and str(found).startswith(f"process {pid} (")
-    assert find_port_users(str(board)) == []
+    with board.open():  # by this process
+        assert find_port_users(str(board)) == []
 
 
 def test_other_file_of_same_name_does_not_count(tmp_path: pathlib.Path) -> None:
@@ -68,6 +71,16 @@ def test_maker_of_a_pseudo_terminal_that_keeps_it_open_is_no_holder(tmp_path: pa
         with holder(link) as pid:
             (found,) = find_port_users(str(link))
             assert found.pid == pid
+
+
+def test_maker_is_that_of_this_terminal(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(port_users, "_content", lambda path: "flags:\t02\ntty-index:\t12\n")
+    pid = str(os.getpid())
+    assert port_users._has_made(pid, "/dev/pts/12") and not port_users._has_made(pid, "/dev/pts/1")
+
+
+def test_process_that_ends_meanwhile_has_nothing_open(tmp_path: pathlib.Path) -> None:
+    assert not port_users._has_open("999999999", os.stat(str(tmp_path)))
 
 
 def test_unplugged_port_has_no_user(tmp_path: pathlib.Path) -> None:

@@ -19,10 +19,11 @@ def test_remote_board_is_rejected_with_local_address() -> None:
 @pytest.mark.parametrize(
     "values, why",
     [
+        ({"port": ""}, "port must be the path of a serial port, or tcp"),
         ({"tcp_boards": "left"}, "tcp_boards needs port: tcp; a serial port has one board"),
         ({"port": "tcp", "tcp_boards": "le-ft"}, "tcp_boards: 'le-ft' is not a namespace"),
     ],
 )
-def test_invalid_list_of_boards_is_rejected(values: Any, why: str) -> None:
+def test_invalid_port_or_list_of_boards_is_rejected(values: Any, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         SerialParameters(**values)

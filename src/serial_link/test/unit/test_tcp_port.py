@@ -25,8 +25,11 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
     port, end = only_port(number), TcpTransport("localhost", number)
     assert not port.open(0.0)
     end.plug()
-    assert end.is_plugged and port.open(TIMEOUT_S)
+    assert end._socket is not None and port.open(TIMEOUT_S)
+    assert end._socket.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
     assert port.baud == 0 and port.name.startswith(f"tcp localhost:{number} from 127.0.0.1:")
+    assert port._board is not None  # small messages do not wait for the acknowledgement of others
+    assert port._board.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
     port.write(b"to the board")
     end.wait(TIMEOUT_S)
     assert end.read() == b"to the board" and end.read() == b""
@@ -35,7 +38,15 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
     end.unplug()
     with pytest.raises(PortLost, match="the connection was closed"):
         port.read(TIMEOUT_S)
+    port.close()
+    assert port.name == f"tcp localhost:{number}"
+    assert port._slot.heard_at is None  # so the board that comes back does not wait
+    end.plug()
+    assert port.open(TIMEOUT_S)
     port.release()
+    wait_until(lambda: end.read() == b"" and not end.is_plugged, lambda: "still connected")
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("localhost", number))
 
 
 def test_new_connection_replaces_only_a_silent_one(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -51,17 +62,21 @@ def test_new_connection_replaces_only_a_silent_one(monkeypatch: "pytest.MonkeyPa
     first.plug()
     assert port.open(TIMEOUT_S)
     second.plug()
+    second.write(b"second")
     first.write(b"alive")
     assert port.read(TIMEOUT_S) == b"alive" and port.read(0.1) == b""
     slot = server._slots[0]
-    assert slot.heard_at is not None
+    assert slot.connected == "127.0.0.1" and slot.heard_at is not None
+    slot.heard_at -= TIMEOUT_S
+    port.on_frame()  # so it is not silent
+    assert port.read(0.0) == b""
     slot.heard_at -= TIMEOUT_S
     with pytest.raises(PortLost, match="replaced by a new connection"):
         port.read(TIMEOUT_S)
     port.close()
+    assert slot.heard_at is not None  # the slot belongs to the second
     assert port.open(TIMEOUT_S)
     wait_until(lambda: first.read() == b"" and not first.is_plugged, lambda: "still connected")
-    second.write(b"second")
     assert port.read(TIMEOUT_S) == b"second"
     third.plug()
     assert port.read(0.1) == b""  # the second has sent no frame, but is not silent
@@ -100,6 +115,10 @@ def test_write_now_does_not_block_while_the_buffer_is_full() -> None:
         while os.write(port._board.fileno(), bytes(10**6)):
             pass
     wait_until(lambda: not port.write_now(b"x"), lambda: "it still takes bytes")
+    with pytest.raises(PortStuck, match="has accepted no bytes for 0.5 s"):
+        while True:
+            port.write(bytes(1000))
+    assert port.read(0.0) == b""  # the connection is open
     port.close()
     with pytest.raises(PortLost, match="is closed"):
         port.write_now(b"x")
@@ -230,4 +249,38 @@ def test_boards_continue_while_refusal_is_logged(monkeypatch: "pytest.MonkeyPatc
     assert went_on == [True]
     for board in boards:
         board.close()
+    port.release()
+
+
+def test_rest_of_a_message_that_the_system_accepts_in_part_follows(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    number = free_port()
+    port, end = only_port(number), TcpTransport("localhost", number)
+    port.open(0.0)
+    end.plug()
+    assert port.open(TIMEOUT_S)
+    write = os.write
+    monkeypatch.setattr(os, "write", lambda file, data: write(file, data[:3]))
+    assert port.write_now(b"message")
+    monkeypatch.undo()
+    port.release()
+    received = b""
+    while end.is_plugged:
+        end.wait(TIMEOUT_S)
+        received += end.read()
+    assert received == b"message"
+
+
+def test_board_that_leaves_while_it_waits_is_forgotten() -> None:
+    number = free_port()
+    server = TcpServer("localhost", number)
+    port = server.ports[0]
+    assert not port.open(0.0)
+    boards = [socket.create_connection(("localhost", number)) for _ in "ab"]
+    assert port.open(TIMEOUT_S)
+    wait_until(lambda: port.read(0.0) == b"" and server._waiting, lambda: "it does not wait")
+    boards[1].close()
+    wait_until(lambda: port.read(0.0) == b"" and not server._waiting, lambda: "it waits")
+    boards[0].close()
     port.release()

@@ -51,10 +51,19 @@ def test_refusal_names_the_slots_that_are_reserved() -> None:
     slots[1].heard_at = None
     why = f"left ({A}) and right ({B}) are reserved for boards that had them; give each "
     assert explain_refusal(slots).startswith(why)
+    assert explain_refusal(parse_slots(f"left@{A},right@{B}")).startswith(why)
+    slots = parse_slots("left,right,third")
+    connect(slots, A), connect(slots, C, is_board=False)
+    assert explain_refusal(slots).startswith(f"connections from {C} have sent no")
+    slots = parse_slots("")
+    connect(slots, A)
+    assert explain_refusal(slots).startswith("1 board is connected already")
 
 
 def test_boards_get_slots_in_the_order_of_their_first_connection_and_keep_them() -> None:
     slots = parse_slots("left, right")
+    assert connect(slots, A) == "left"
+    slots[0].heard_at = None
     assert connect(slots, A) == "left" and connect(slots, B) == "right"
     assert connect(slots, C) is None
     for slot in slots:
@@ -65,10 +74,11 @@ def test_boards_get_slots_in_the_order_of_their_first_connection_and_keep_them()
 
 def test_addresses_determine_slots_in_any_order() -> None:
     slots = parse_slots(f"left@{A},right@{B}")
-    assert connect(slots, B) == "right" and connect(slots, A) == "left"
     assert connect(slots, C) is None
+    assert connect(slots, B) == "right" and connect(slots, A) == "left"
     mixed = parse_slots(f"left@{A},others")
-    assert connect(mixed, C) == "others" and connect(mixed, A) == "left"
+    assert connect(mixed, A) == "left" and connect(mixed, A) is None
+    assert connect(mixed, C) == "others"
 
 
 def test_board_that_was_reset_gets_its_slot_when_its_old_connection_is_silent() -> None:
@@ -83,6 +93,8 @@ def test_board_that_was_reset_before_its_first_frame_waits_no_longer() -> None:
     connect(slots, A, is_board=False)
     assert connect(slots, A, 0.9 * SAME_BOARD_S) is None
     assert connect(slots, A, SAME_BOARD_S) == ""
+    connect(slots, B, OTHER_BOARD_S + SAME_BOARD_S, is_board=False)  # a program in between
+    assert connect(slots, A, OTHER_BOARD_S + 2.0 * SAME_BOARD_S) == ""
 
 
 def test_only_slot_is_for_any_board_and_an_other_address_waits_longer() -> None:

@@ -16,10 +16,12 @@ def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
 ) -> None:
     link = tmp_path / "by-id" / "board"
     end = PtyTransport(str(link))
+    files = os.listdir("/proc/self/fd")
     for _ in range(2):
-        assert not end.is_plugged
+        assert not end.is_plugged and os.listdir("/proc/self/fd") == files
         end.plug()
         assert end.is_plugged and os.path.realpath(link).startswith("/dev/pts/")
+        assert end._fd is not None and not os.get_blocking(end._fd)
         end.unplug()
         assert not link.is_symlink()
 
@@ -49,8 +51,10 @@ def test_foreign_link_is_kept(tmp_path: pathlib.Path) -> None:
     other, late = PtyTransport(str(tmp_path / "board")), PtyTransport(str(tmp_path / "board"))
     other.plug()
     held = os.readlink(tmp_path / "board")
+    files = os.listdir("/proc/self/fd")
     with pytest.raises(OSError, match="the port exists already: .* if so, remove it: '.*/board'"):
         late.plug()
+    assert os.listdir("/proc/self/fd") == files
     assert not late.is_plugged and os.readlink(tmp_path / "board") == held
     other.unplug()
     (tmp_path / "board").write_text("a file")

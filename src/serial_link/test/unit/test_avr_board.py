@@ -4,10 +4,12 @@ import os
 import pathlib
 import sys
 from typing import List
+from unittest import mock
 
 import pytest
 
 from nodekit.testing.waiting import wait_until
+from serial_link.board import avr_board
 from serial_link.board.avr_board import AvrBoard, AvrBuilder, BuildError, MemoryUse
 from serial_link.board.transports import PtyTransport
 from serial_link.port_mark import is_left_behind
@@ -51,6 +53,8 @@ def test_board_has_a_marked_link_until_it_is_switched_off(
     assert entries(tmp_path) == ["board", "board.board"]
     assert os.readlink(tmp_path / "board") in (tmp_path / "board.board").read_text()
     assert not is_left_behind(str(tmp_path / "board"))
+    assert board._process is not None
+    assert os.getsid(board._process.pid) != os.getsid(0)  # Ctrl-C does not reach it
     board.close()
     assert entries(tmp_path) == []
 
@@ -68,6 +72,7 @@ def test_ctrl_c_does_not_reach_a_compiler(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     session = size_of(tmp_path, monkeypatch, "os.getsid(0), 0, 0").flash
+    assert size_of(tmp_path, monkeypatch, "int(os.environ['LC_ALL'] == 'C'), 0, 0").flash == 1
     assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
 
 
@@ -75,6 +80,55 @@ def test_initialized_data_takes_flash_and_ram(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     assert size_of(tmp_path, monkeypatch, "12000, 300, 1200") == MemoryUse(12300, 1500)
+
+
+def test_built_programs_are_reused_and_a_cancelled_build_ends(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(avr_board, "_run", mock.Mock(side_effect=AssertionError("it compiles")))
+    builder = AvrBuilder(tmp_path)
+    for name in ("avr_board", "core.a"):
+        (tmp_path / name).touch()
+    assert builder.simulator(pathlib.Path("any")) == tmp_path / "avr_board"
+    assert builder._core() == tmp_path / "core.a"
+    with pytest.raises(BuildError, match="the build was cancelled"):
+        AvrBuilder(tmp_path, lambda: True).size(pathlib.Path("any"))
+
+
+@pytest.mark.parametrize("is_marked", [False, True])
+def test_link_of_a_killed_board_is_replaced(
+    is_marked: bool,
+    simulator: pathlib.Path,
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    (tmp_path / "board").symlink_to("/dev/null" if is_marked else "/dev/pts/none")
+    monkeypatch.setattr(avr_board, "is_left_behind", lambda link: is_marked)
+    board = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    board.start()
+    assert os.readlink(tmp_path / "board").startswith("/dev/pts/")
+    board.close()
+
+
+def test_board_whose_link_cannot_be_marked_ends(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    (tmp_path / "board.board").mkdir()
+    board = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    with pytest.raises(OSError, match=r"board\.board"):
+        board.start()
+    assert not board.is_running and entries(tmp_path) == ["board.board"]
+
+
+def test_commands_of_the_simulator_have_the_given_values(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    lines: List[str] = []
+    board = AvrBoard(pathlib.Path("any"), pathlib.Path("any"), str(tmp_path / "board"))
+    monkeypatch.setattr(board, "_write", lines.append)
+    board.reset(1.5)
+    board.set_noise(0.01)
+    assert lines == ["reset 1.5\n", "noise 0.01\n"]
 
 
 def test_second_board_is_rejected_and_keeps_port_of_first(
@@ -128,6 +182,19 @@ def test_command_after_a_crash_of_the_simulator_leaves_no_link(
         board.reset()
     board.close()
     assert entries(tmp_path) == []
+
+
+def test_link_that_another_board_has_made_meanwhile_is_kept(tmp_path: pathlib.Path) -> None:
+    late = tmp_path / "simulator"
+    late.write_text(
+        f"#!{sys.executable}\nimport os, sys\nos.symlink('/dev/null', sys.argv[2])\n"
+        "print('/dev/pts/none', flush=True)\nsys.stdin.read()\n"
+    )
+    late.chmod(0o755)
+    board = AvrBoard(late, pathlib.Path("run"), str(tmp_path / "board"))
+    with pytest.raises(OSError, match="another board was started at the same time"):
+        board.start()
+    assert not board.is_running and entries(tmp_path) == ["board"]
 
 
 def test_failed_start_of_simulator_is_reported(tmp_path: pathlib.Path) -> None:

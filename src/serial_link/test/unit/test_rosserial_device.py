@@ -116,6 +116,8 @@ def test_time_is_asked_for_and_without_an_answer_the_host_is_forgotten() -> None
     device, _ = configured()
     device.loop(TIME_EVERY_S)
     assert [frame.topic_id for frame in sent(device)] == [TIME, 125]
+    device.loop(TIME_EVERY_S + 0.1)
+    assert [frame.topic_id for frame in sent(device)] == [125]
     device.receive(3.0, encode(TIME, payloads.encode_time(7, 500_000_000)))
     assert device.host_time == 7.5
     device.loop(2.9 + HOST_LOST_S)
@@ -123,6 +125,14 @@ def test_time_is_asked_for_and_without_an_answer_the_host_is_forgotten() -> None
     device.loop(3.0 + HOST_LOST_S)
     assert device.state == WAITING
     assert 14.0 < device.next_due(14.0) <= 14.0 + TIME_EVERY_S
+    assert Device(Notes()).next_due(14.0) > 14.0  # a board that waits for its host is idle
+
+
+def test_topic_request_after_a_long_silence_is_from_a_present_host() -> None:
+    device = Device(Notes())
+    device.receive(20.0, encode(PUBLISHER, b""))
+    device.loop(20.1)
+    assert device.is_configured
 
 
 def test_stop_ends_publishing_until_topic_request() -> None:
@@ -139,6 +149,8 @@ def test_too_large_message_is_dropped_and_logged() -> None:
     device.publish("out", bytes(93))
     ((topic_id, payload),) = sent(device)
     assert topic_id == LOG and payloads.decode_log(payload)[0] == payloads.ERROR
+    device.log(payloads.INFO, 100 * "x")
+    assert sent(device) == []
 
 
 @pytest.mark.parametrize("name", ["out", "in", "offered"])

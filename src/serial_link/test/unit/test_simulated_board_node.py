@@ -1,10 +1,15 @@
 """Parameters of the simulated board that take effect at run time."""
 
+import math
 import time
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, List
+from unittest import mock
+
+import pytest
 
 from first_order_sys_sim.first_order_plant import PlantSettings
+from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.board_parameters import BoardParameters
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import encode
@@ -15,8 +20,15 @@ from serial_link.nodes.simulated_board import SimulatedBoardNode
 class FakeNode:
     """Node that has the declared parameters and starts nothing."""
 
+    def __init__(self, **values: Any) -> None:
+        self.values = values
+        self.at_shutdown: List[Any] = []
+
     def declare_parameters(self, parameters: Any, on_change: Any) -> Any:
-        return SimpleNamespace(values=parameters())
+        return SimpleNamespace(values=parameters(**self.values))
+
+    def on_shutdown(self, function: Any) -> None:
+        self.at_shutdown.append(function)
 
     def own(self, resource: Any) -> Any:
         return resource
@@ -24,7 +36,7 @@ class FakeNode:
     def ignore(self, *arguments: Any, **options: Any) -> None:
         pass
 
-    create_service = create_timer = on_shutdown = ignore
+    create_service = create_timer = ignore
 
 
 def test_changed_parameters_reach_the_board_its_controls_and_motor() -> None:
@@ -61,3 +73,119 @@ def test_board_starts_with_the_present_buffer_size_and_rate() -> None:
         device.loop(begun + 0.001 * step)
     speeds = [frame for frame in Decoder().feed(device.output()) if frame.topic_id == 125]
     assert 19 <= len(speeds) <= 21
+
+
+def test_board_has_its_parameters_from_the_start() -> None:
+    around: Any = FakeNode(
+        link="",
+        tcp_address="127.0.0.2",
+        tcp_port=11500,
+        counts_per_turn=400,
+        plugged=False,
+        button=True,
+        wrong_md5="led",
+        floods=True,
+    )
+    board = SimulatedBoardNode(around)
+    transport: Any = board._board._transport
+    assert transport._address == ("127.0.0.2", 11500)
+    assert not board._board.faults.is_plugged and board._controls.button
+    assert board._motor.speed_of(400, 1.0) == pytest.approx(2.0 * math.pi)
+    device: Any = board._make_device(0.0)
+    sums = {info.name: info.md5sum for _, info in device._announcements}
+    assert sums["led"] == sums["button"][::-1]
+    assert device._sketch._floods
+    assert around.at_shutdown == [board._board.close]
+
+
+def test_board_is_started_once(monkeypatch: "pytest.MonkeyPatch") -> None:
+    board = SimulatedBoardNode(FakeNode())  # type: ignore[arg-type]
+    start = mock.Mock()
+    monkeypatch.setattr(board._board, "start", start)
+    for elapsed in (0.0, 1.0):
+        board._start(elapsed)
+    assert start.call_count == 1
+
+
+class Bench:
+    """Board without a thread, whose transport is a mock."""
+
+    def __init__(self, baud: int = 1000) -> None:
+        self.transport = mock.Mock(is_plugged=False)
+        self.device = mock.Mock(**{"output.return_value": b"", "next_due.return_value": 0.0})
+        self.board = SimulatedBoard(self.transport, baud, lambda now: self.device)
+        self.turns = 0
+
+    def run(self, turns: int) -> None:
+        """Run its loop this many times."""
+
+        def count(data: bytes) -> None:
+            self.turns += 1
+            if self.turns == turns:
+                self.board._is_over.set()
+
+        self.transport.write.side_effect = count
+        self.board._run()
+
+
+def test_bytes_in_transit_are_lost_when_the_cable_is_plugged_in() -> None:
+    bench = Bench()
+    for line in (bench.board._in, bench.board._out):
+        line.put(1.0, b"old")
+    bench.board._move_cable(1.0, True)
+    assert (bench.board._in.waiting, bench.board._out.waiting) == (0, 0)
+    bench.board._move_cable(1.1, True)  # the host does not listen yet
+    assert bench.transport.plug.call_count == 1
+    bench.board._move_cable(1.3, True)
+    assert bench.transport.plug.call_count == 2 and not bench.transport.unplug.called
+    bench.transport.is_plugged = True
+    bench.board._move_cable(1.4, False)
+    assert bench.transport.unplug.call_count == 1
+
+
+def test_reset_cuts_a_message_off_and_drops_the_rest() -> None:
+    bench = Bench()
+    bench.board._device = mock.Mock()
+    for line in (bench.board._in, bench.board._out):
+        line.put(1.0, b"message")
+    bench.board._restart(1.035)
+    bench.transport.write.assert_called_once_with(b"mes")
+    assert (bench.board._in.waiting, bench.board._out.waiting) == (0, 0)
+    assert bench.board.device is None and bench.board._starts_at == 1.035 + bench.board.boot_s
+
+
+def test_sketch_does_not_run_while_it_hangs_or_its_transmit_buffer_is_full() -> None:
+    bench = Bench()
+    assert bench.board._is_free()
+    bench.board._out.put(1.0, bytes(65))
+    assert not bench.board._is_free()
+    bench.board._out.clear()
+    bench.board.faults = Faults(stalls=True)
+    assert not bench.board._is_free()
+    bench.board.close()
+    assert bench.transport.unplug.called
+
+
+def test_bytes_that_arrive_while_the_board_boots_are_lost() -> None:
+    bench = Bench(baud=0)
+    bench.board._starts_at = math.inf
+    bench.transport.read.return_value = b"early"
+    bench.run(1)
+    assert bench.transport.read.called and bench.board._in.waiting == 0
+
+
+def test_bytes_beyond_the_receive_buffer_of_a_sketch_that_hangs_are_not_read() -> None:
+    bench = Bench(baud=0)
+    bench.board.faults = Faults(stalls=True)
+    bench.transport.read.return_value = bytes(64)
+    bench.run(3)
+    assert bench.transport.read.call_count == 1 and not bench.device.receive.called
+
+
+def test_noise_damages_both_directions() -> None:
+    bench, data = Bench(baud=0), bytes(range(100))
+    bench.board.faults = Faults(noise=1.0)
+    bench.transport.read.return_value = bench.device.output.return_value = data
+    bench.run(1)
+    for call in (bench.device.receive.call_args[0][1], bench.transport.write.call_args[0][0]):
+        assert call and call != data

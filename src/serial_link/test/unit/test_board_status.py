@@ -41,6 +41,8 @@ def test_new_faults_are_a_warning_once_and_are_logged_at_most_every_10_s(
     for now in range(1, 12):
         link.figures["malformed"] = now
         assert (status().level, status().level) == (DiagnosticStatus.WARN, DiagnosticStatus.OK)
+    now = 100
+    assert status().level == DiagnosticStatus.OK  # nothing new is to be logged
     lines = [line for line in caplog.messages if "malformed" in line]
     assert lines == [
         f"/dev/board: 5 frames received, 2 sent; malformed {count}" for count in (1, 11)

@@ -28,6 +28,9 @@ def test_bytes_after_good_frame_are_not_kept() -> None:
     words.add(encode(10, b""), True)
     words.add(OLD + OLD, False)
     assert words.explain(9600).startswith("the board sends nothing")
+    words.clear()  # the next board
+    words.add(OLD + OLD, False)
+    assert "before ROS Hydro" in words.explain(9600)
 
 
 def test_partial_frame_before_first_good_one_is_dropped() -> None:

@@ -167,7 +167,7 @@ def test_a_length_beyond_all_messages_is_not_waited_for() -> None:
 
 def test_incomplete_frame_is_dropped_and_hidden_frames_decoded() -> None:
     decoder, good = Decoder(), Frame(126, b"good")
-    assert decoder.feed(encode(125, bytes(100))[:7] + encode(*good)) == []
+    assert decoder.feed(encode(125, bytes(100))[:7]) == decoder.feed(encode(*good)) == []
     assert decoder.is_waiting
     assert decoder.flush() == [good]
     assert not decoder.is_waiting
@@ -175,6 +175,9 @@ def test_incomplete_frame_is_dropped_and_hidden_frames_decoded() -> None:
     assert decoder.feed(START) == [] and decoder.is_waiting
     decoder.reset()
     assert not decoder.is_waiting
+    decoder, cut = Decoder(), encode(125, b"some")[:-1]
+    assert decoder.feed(cut) + decoder.flush() == []
+    assert +decoder.faults == {CUT_OFF: 1, GARBAGE: len(cut)}
 
 
 @pytest.mark.parametrize("payload", [b"", b"a", bytes(300)])
@@ -184,6 +187,8 @@ def test_the_second_message_within_a_lying_length_gives_it_away(payload: bytes) 
     assert decoder.feed(encode(*messages[1])[:-1]) == []
     assert decoder.feed(encode(*messages[1])[-1:]) == messages
     assert decoder.faults[LENGTH] == 1
+    decoder, lie = Decoder(), encode(125, bytes(LONGEST))[:7] + START + b"x"
+    assert decoder.feed(lie + wire(messages)) == messages  # behind a false beginning
 
 
 def test_a_stray_sync_byte_costs_no_message() -> None:

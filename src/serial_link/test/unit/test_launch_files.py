@@ -36,16 +36,20 @@ def test_avr_board_replaces_python_board() -> None:
 
 
 def test_with_hardware_the_board_is_the_users() -> None:
-    config = load("simulated:=no", "port:=/dev/ttyUSB0")
-    assert node_names(config) == ["/serial_node"]
+    for word in ("off", "0", "False", "no"):
+        config = load(f"simulated:={word}", "port:=/dev/ttyUSB0")
+        assert node_names(config) == ["/serial_node"]
+    for word in ("on", "1", "yes"):
+        assert node_names(load(f"simulated:={word}")) == ["/serial_node", "/simulated_board"]
     assert private_parameters(config, "/serial_node")["port"] == "/dev/ttyUSB0"
 
 
 def test_over_the_network_the_simulated_board_connects() -> None:
-    config = load("port:=tcp", "tcp_port:=4000")
+    config = load("port:=tcp", "tcp_port:=4000", "tcp_boards:=left,right")
     assert private_parameters(config, "/simulated_board")["link"] == ""
     assert private_parameters(config, "/simulated_board")["tcp_port"] == 4000
-    assert private_parameters(config, "/serial_node")["port"] == "tcp"
+    link = private_parameters(config, "/serial_node")
+    assert (link["port"], link["tcp_port"], link["tcp_boards"]) == ("tcp", 4000, "left,right")
 
 
 def test_board_launch_tcp_address_is_the_nodes_own() -> None:

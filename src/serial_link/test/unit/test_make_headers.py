@@ -6,13 +6,14 @@ import random
 import struct
 import subprocess
 from typing import Any, Dict, List, NamedTuple, Tuple
+from unittest import mock
 
 import genpy
 import numpy
 import pytest
 from header_command import LIBRARIES, command
 import roslib.message
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from std_msgs.msg import Float64MultiArray
 
@@ -26,6 +27,7 @@ from nodekit.message_definitions import (
     parts_of,
 )
 from serial_link.commands import make_headers
+from serial_link.endpoints.types import TypeRefused
 from serial_link.headers.cpp_class import CppClass, header, member
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
@@ -279,6 +281,7 @@ def test_headers_and_genpy_decode_equally(board: Board) -> None:
         assert answer.shown == leaves(message), name
 
 
+@example([1.0 + 3.0 * 2.0**-24, 3.4028235677973366e38])  # in the middle of two
 @given(st.lists(st.one_of(st.floats(), st.floats(-1e-37, 1e-37)), min_size=1, max_size=200))
 def test_of_64_bits_a_board_takes_the_nearest_of_32(board: Board, numbers: List[float]) -> None:
     names = [name for name, _ in board.known]
@@ -292,10 +295,19 @@ def test_of_64_bits_a_board_takes_the_nearest_of_32(board: Board, numbers: List[
 
 DOUBLES = """
 #include <stdio.h>
+#include "../std_msgs/Bool.h"
 #include "../std_msgs/Float64MultiArray.h"
+#include "../std_msgs/String.h"
 int main() {
-  static unsigned char in[1 << 16];
+  static unsigned char in[1 << 16] = {2};
+  std_msgs::Bool is_on;
+  is_on.deserialize(in);
+  std_msgs::String text;
+  if (!is_on.data || *text.data) return 3;
+  text.data = NULL;
+  if (text.serialize(in) != 4) return 4;
   std_msgs::Float64MultiArray it;
+  it.st_data = 0.5;
   int length = fread(in, 1, sizeof in, stdin);
   if (it.deserialize(in) != length || sizeof it.st_data != 8) return 1;
   double *room = it.data;
@@ -387,6 +399,12 @@ def test_text_constants_are_functions() -> None:
     assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
 
 
+def test_header_of_a_message_with_a_time_includes_that_of_the_library() -> None:
+    one = CppClass("Odd", "odd/Odd", "0", (), (Field("time", False, None, "stamp"),))
+    lines = header("odd", "Odd", [one]).splitlines()
+    assert '#include "ros/time.h"' in lines and '#include "ros/duration.h"' not in lines
+
+
 def test_command_writes_headers_for_sketch(tmp_path: pathlib.Path) -> None:
     done = command("pid_control", "robot_custom_interfaces", "--into", str(tmp_path / "made"))
     assert (done.returncode, done.stderr) == (0, "")
@@ -401,6 +419,19 @@ def test_command_writes_headers_for_sketch(tmp_path: pathlib.Path) -> None:
         "serial_link/wire.h",
         "std_msgs/Header.h",
     ]
+
+
+def test_types_within_a_service_are_included() -> None:
+    found: Dict[str, str] = {}
+    make_headers._add_service(found, "lifecycle_msgs/GetState")
+    assert set(found) == {"lifecycle_msgs/GetState.h", "lifecycle_msgs/State.h"}
+
+
+def test_package_that_is_not_built_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
+    refused = mock.Mock(side_effect=TypeRefused("is std_msgs built and sourced?"))
+    monkeypatch.setattr(make_headers, "message_class", refused)
+    with pytest.raises(make_headers.HeaderError, match="is std_msgs built and sourced"):
+        make_headers.build_headers(["std_msgs"])
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from typing import Any, List
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import in_thread, wait_until
 from serial_link.host.message_queue import DEPTH, MOST_KEPT, MessageQueue
 
 
@@ -86,13 +86,12 @@ def test_cleared_messages_are_not_returned_or_counted() -> None:
 
 def test_waiting_reader_gets_message_or_none_on_close() -> None:
     queue, found = MessageQueue(), []
-    waiting = threading.Thread(target=lambda: found.append(queue.get(30.0)))
-    waiting.start()
+    waiting = in_thread(lambda: found.append(queue.get(90.0)))
     queue.put("a", "came")
     waiting.join(30.0)
     assert found == ["came"]
-    waiting = threading.Thread(target=lambda: found.append(queue.get(30.0)))
-    waiting.start()
+    waiting = in_thread(lambda: found.append(queue.get(90.0)))
+    wait_until(lambda: queue.is_idle, lambda: "the reader does not wait")
     queue.close()
     waiting.join(30.0)
     assert found == ["came", None]

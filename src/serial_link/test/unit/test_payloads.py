@@ -142,6 +142,7 @@ def test_the_smallest_and_the_largest_are_taken() -> None:
     ):
         info = GOOD._replace(**changed)
         assert payloads.decode_topic(payloads.encode_topic(info)) == info
+        assert payloads.problem_of(info) == ""
 
 
 def test_invalid_level_and_name_are_rejected() -> None:
@@ -149,6 +150,8 @@ def test_invalid_level_and_name_are_rejected() -> None:
         payloads.decode_log(payloads.encode_log(5, "text"))
     with pytest.raises(PayloadError, match="log"):
         payloads.decode_log(b"")
+    with pytest.raises(PayloadError, match="surplus"):
+        payloads.decode_log(payloads.encode_log(1, "text") + b"x")
     with pytest.raises(PayloadError, match="invalid parameter name"):
         payloads.decode_name(payloads.encode_name("a b"))
 

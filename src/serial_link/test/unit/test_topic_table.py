@@ -46,6 +46,7 @@ def test_a_service_is_known_when_both_halves_are() -> None:
         table.begin_round(0.0)
         table.add(0.0, kind + SUBSCRIBER, info(100, "call"))
         table.add(0.0, kind + PUBLISHER, info(126, "another"))
+        table.add(0.0, kind + PUBLISHER, info(127, "call")._replace(type="std_msgs/Bool"))
         assert table.endpoints() == [] and table.incoming(126) is None
         table.add(0.0, kind + PUBLISHER, info(125, "call"))
         expected = Endpoint(kind, "call", "std_msgs/Empty", info(125, "call"), info(100, "call"))
@@ -194,6 +195,31 @@ def test_aborted_rounds_are_limited() -> None:
     assert table.end_round(101.0) is False  # a restarted board is asked as often again
 
 
+def test_aborted_rounds_count_after_a_complete_one_and_not_after_a_restart() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    assert table.end_round(1.0) is True
+    for number, is_final in ((MOST_ROUNDS, True), (MOST_ROUNDS - 1, False)):
+        for _ in range(number):
+            table.begin_round(2.0)
+            table.mark_damaged()
+        assert table.end_round(3.0) is is_final
+    table.reset()
+    table.begin_round(4.0)
+    table.mark_damaged()
+    assert table.end_round(5.0) is False
+
+
+def test_restarted_board_without_topics_is_not_asked_for_those_of_the_sketch_before() -> None:
+    table = TopicTable()
+    table.mark_damaged()
+    table.begin_round(0.0)
+    table.add(0.0, PUBLISHER, info(125))
+    table.reset()
+    table.begin_round(1.0)
+    assert table.end_round(2.0) is True
+
+
 def test_rounds_before_the_board_answers_do_not_count() -> None:
     table = TopicTable()
     for number in range(MOST_ROUNDS - 1):
@@ -264,7 +290,8 @@ def test_longest_message_is_from_publishers() -> None:
 def test_incoming_topic_follows_later_announcements() -> None:
     table = TopicTable()
     table.begin_round(0.0)
-    table.add(0.0, PUBLISHER, info(125, "old"))
+    for _ in "ab":
+        table.add(0.0, PUBLISHER, info(125, "old"))
     table.end_round(1.0)
     found = [table.incoming(125)]
     table.begin_round(1.0)

@@ -197,6 +197,20 @@ def test_link_that_another_board_has_made_meanwhile_is_kept(tmp_path: pathlib.Pa
     assert not board.is_running and entries(tmp_path) == ["board"]
 
 
+def test_simulator_that_hangs_is_ended(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(avr_board, "_START_S", 0.1)
+    monkeypatch.setattr(avr_board, "_END_S", 0.1)
+    simulator = tmp_path / "simulator"
+    simulator.write_text(f"#!{sys.executable}\nimport time\ntime.sleep(600.0)\n")
+    simulator.chmod(0o755)
+    board = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    with pytest.raises(OSError, match="board cannot be created"):
+        board.start()
+    assert not board.is_running and entries(tmp_path) == []
+
+
 def test_failed_start_of_simulator_is_reported(tmp_path: pathlib.Path) -> None:
     board = AvrBoard(pathlib.Path("/bin/false"), pathlib.Path("run"), str(tmp_path / "board"))
     with pytest.raises(OSError, match="board cannot be created: see the simulator's output"):

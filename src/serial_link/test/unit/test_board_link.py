@@ -281,12 +281,17 @@ def test_board_that_was_silent_for_too_long_is_not_called_restarted(
     assert rig.link.all_counters()["restarts of the board"] == 0
 
 
-def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
+def test_frame_that_an_adapter_holds_back_is_not_lost_but_one_that_is_cut_off_ends(
+    rig: Rig,
+) -> None:
     frame = encode(LOG, encode_log(INFO, "held back"))
     rig.link._receive_bytes(1.0, frame[:9])
     rig.link._receive_bytes(1.45, b"")
     rig.link._receive_bytes(1.46, frame[9:])
     assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
+    rig.link._receive_bytes(2.0, frame[:9])
+    rig.link._receive_bytes(2.61, b"")
+    assert rig.link.all_counters()["fault: cut off"] == 1
 
 
 @pytest.mark.parametrize(
@@ -551,13 +556,16 @@ def test_simultaneous_time_requests_get_one_answer(rig: Rig) -> None:
 
 
 def test_missing_board_is_logged_once_per_absence(
-    rig: Rig, caplog: "pytest.LogCaptureFixture"
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
 ) -> None:
     missing = "does not exist: is the board plugged in"
     rig.link._throttled_log = ThrottledLog(math.inf)  # time alone lifts no limit
-    for _ in "ab":
-        rig.link._try_to_open()
-    assert caplog.text.count(missing) == 1
+    pauses: List[float] = []
+    with monkeypatch.context() as changed:
+        changed.setattr(rig.link._is_over, "wait", pauses.append)
+        for _ in "ab":
+            rig.link._try_to_open()
+    assert caplog.text.count(missing) == 1 and pauses == [board_link._OPEN_EVERY_S] * 2
     rig.start()
     for losses in (2, 3):
         rig.board.faults = Faults()

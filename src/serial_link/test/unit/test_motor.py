@@ -62,15 +62,15 @@ def test_encoder_is_set_to_zero_and_the_motor_turns_on() -> None:
 
 
 def test_angle_up_to_a_change_is_that_of_the_input_and_motor_before() -> None:
-    counts = 8.0 * 1000 / (2.0 * math.pi)
-    for change in (
-        lambda one: one.drive(101.0, 0.0),
-        lambda one: one.change(101.0, SETTINGS._replace(max_output=4.0)),
-    ):
-        turning = motor()
-        turning.drive(100.0, 1.0)
-        change(turning)
-        assert turning.counts(101.0) == pytest.approx(counts, rel=0.1)
+    turning = motor()
+    turning.drive(100.0, 1.0)
+    turning.drive(100.02, 0.0)
+    angle = 10.0 * (0.02 - 0.05 * (1.0 - math.exp(-0.02 / 0.05)))
+    assert turning.counts(100.02) == pytest.approx(angle * 1000 / (2.0 * math.pi), abs=1.0)
+    turning = motor()
+    turning.drive(100.0, 1.0)
+    turning.change(101.0, SETTINGS._replace(max_output=4.0))
+    assert turning.counts(101.0) == pytest.approx(8.0 * 1000 / (2.0 * math.pi), rel=0.1)
 
 
 def test_changed_motor_and_long_pause() -> None:

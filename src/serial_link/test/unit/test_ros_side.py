@@ -14,7 +14,14 @@ from serial_link.endpoints.ros_side import RosSide
 from serial_link.host.counters import MALFORMED, REFUSED, Counters
 from serial_link.host.message_queue import MessageQueue
 from serial_link.host.parameter_requests import ParameterRequests
-from serial_link.link.events import LogLine, Message, ParameterRequest, Restarted, Topics
+from serial_link.link.events import (
+    LogLine,
+    Message,
+    ParameterRequest,
+    Restarted,
+    Synced,
+    Topics,
+)
 from serial_link.negotiation.payloads import (
     WARN,
     PUBLISHER,
@@ -101,6 +108,9 @@ class Rig:
         )
         assert self.context.answers == list(names)
 
+    def wait_until_idle(self) -> None:
+        wait_until(lambda: self.context.inbox.is_idle, lambda: "it is still at work")
+
     def refused(self) -> int:
         return self.counters.to_dict().get(REFUSED, 0)
 
@@ -120,6 +130,7 @@ def test_only_the_last_parameter_request_before_the_topics_is_answered(rig: Rig)
     rig.context.inbox.put_reliable(Topics([], True))
     rig.wait_for_answers("/second")
     rig.context.inbox.put_reliable(Topics([], True))
+    rig.wait_until_idle()
     rig.context.request("third")
     rig.wait_for_answers("/second", "/third")
 
@@ -128,6 +139,7 @@ def test_parameter_request_before_a_restart_is_not_answered(rig: Rig) -> None:
     rig.context.request("first")
     rig.context.inbox.put_reliable(Restarted("the board was restarted"))
     rig.context.inbox.put_reliable(Topics([], True))
+    rig.wait_until_idle()
     rig.context.request("second")
     rig.wait_for_answers("/second")
 
@@ -136,7 +148,7 @@ def test_parameter_request_after_a_restart_is_answered_once_the_topics_are_known
     rig.context.inbox.put_reliable(Topics([], True))
     rig.context.inbox.put_reliable(Restarted("the board was restarted"))
     rig.context.request("early")
-    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    rig.wait_until_idle()
     assert rig.context.answers == []
     rig.context.inbox.put_reliable(Topics([], True))
     rig.wait_for_answers("/early")
@@ -189,7 +201,7 @@ def test_message_of_an_open_topic_is_published_in_the_calling_thread(rig: Rig) -
     moved = TOPIC._replace(incoming=COUNT._replace(topic_id=127))
     assert not rig.context.receive_now(moved, value(3))
     rig.context.inbox.put_reliable(Topics([], True))
-    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    rig.wait_until_idle()
     assert not rig.context.receive_now(TOPIC, value(4))  # the board no longer publishes it
     assert rig.context.closed == 1
 
@@ -198,10 +210,10 @@ def test_topic_stays_open_after_a_restart_until_the_board_has_announced_all(rig:
     publish_first(rig)
     rig.context.inbox.put_reliable(Restarted("the board was restarted"))
     rig.context.inbox.put_reliable(Topics([], False))
-    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    rig.wait_until_idle()
     assert rig.context.receive_now(TOPIC, value(2))
     rig.context.inbox.put_reliable(Topics([], True))
-    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    rig.wait_until_idle()
     assert not rig.context.receive_now(TOPIC, value(3))
 
 
@@ -219,7 +231,7 @@ def test_faulty_messages_are_counted_or_logged_in_either_thread(
 ) -> None:
     publish_first(rig)
     rig.context.inbox.put(1, Message(TOPIC, b"x"))
-    wait_until(lambda: rig.context.inbox.is_idle, lambda: "it is still at work")
+    rig.wait_until_idle()
     assert rig.context.receive_now(TOPIC, b"x")
     assert rig.counters.to_dict() == {MALFORMED: 2}
     assert rig.context.receive_now(TOPIC, value(FAILS))
@@ -305,6 +317,14 @@ def test_new_ids_and_the_reason_of_a_loss_reach_an_open_topic(left: Left) -> Non
     left.handle(Restarted("the cable is out"))
     left.create.return_value.on_lost.assert_called_once_with("the cable is out")
     assert left.created() == ["left/count"]
+
+
+def test_all_topics_are_told_that_the_board_is_synced_or_lost(left: Left) -> None:
+    left.announce(TOPIC, TOPIC._replace(name="other"))
+    left.handle(Synced())
+    left.handle(Restarted("the cable is out"))
+    topic = left.create.return_value
+    assert (topic.on_sync.call_count, topic.on_lost.call_count) == (2, 2)
 
 
 def test_topic_of_another_type_and_name_stays_open_until_all_are_announced(left: Left) -> None:

@@ -194,6 +194,14 @@ def test_answer_in_the_middle_of_a_slow_loop_or_to_a_probe_does_not_shorten_it()
     assert monitor.patience == SILENT_ITERATIONS * 5.0
 
 
+def test_time_request_that_answers_a_question_tells_nothing_about_the_loop() -> None:
+    monitor = synced_monitor()
+    monitor.handle(2.5, TIME)
+    monitor.ask(6.5)
+    monitor.handle(6.51, TIME)
+    assert monitor.patience == QUIET_S
+
+
 def test_slow_board_has_time_for_an_answer_before_the_next_question() -> None:
     monitor = slow_monitor()
     assert monitor.handle(20.0, UNKNOWN) == [ASK]
@@ -221,6 +229,15 @@ def test_pauses_between_questions_begin_anew_after_a_restart(events: List[str]) 
     assert monitor.handle(21.5, UNKNOWN) == [ASK]
 
 
+def test_unknown_topic_during_a_pause_between_questions_proves_that_the_board_is_there() -> None:
+    monitor = synced_monitor()
+    for now in (1.0, 1.5, 2.5):
+        assert monitor.handle(now, UNKNOWN) == [ASK]
+    monitor.poll(2.9)
+    assert monitor.state == SILENT
+    assert monitor.handle(3.0, UNKNOWN) == [] and monitor.state == SYNCED
+
+
 def test_question_on_demand_is_followed_by_a_pause() -> None:
     monitor = synced_monitor()
     assert monitor.ask(5.0) == [ASK] and monitor.handle(5.1, UNKNOWN) == []
@@ -237,7 +254,9 @@ def test_loss_of_a_board_that_is_probed_is_no_restart() -> None:
 def test_topics_on_a_slow_line_may_follow_the_time_request_later() -> None:
     monitor = SyncMonitor(0.5)
     monitor.handle(0.0, OPENED)
-    run(monitor, 0.0, 2.0)
+    assert monitor.poll(1.0) == [PROBE]
+    assert monitor.next_due() == 1.0 + PROBE_EVERY_S + 0.5
+    run(monitor, 1.0, 2.0)
     monitor.handle(2.0, TIME)
     assert monitor.state == HEARD and monitor.next_due() == 2.0 + FOLLOWS_S + 0.5
 
@@ -378,12 +397,14 @@ def test_silent_board_is_requested_again() -> None:
     assert monitor.state == ASKED
 
 
-@pytest.mark.parametrize("quiet", [False, True])
-def test_unknown_topic_causes_request_after_pause(quiet: bool) -> None:
+@pytest.mark.parametrize("state", [SYNCED, SILENT, PROBING])
+def test_unknown_topic_causes_request_after_pause(state: str) -> None:
     monitor = synced_monitor()
-    if quiet:
+    if state != SYNCED:
         monitor.poll(QUIET_S)
-        assert monitor.state == SILENT
+    if state == PROBING:
+        monitor.handle(QUIET_S, TIME)
+    assert monitor.state == state
     assert monitor.handle(1.0, UNKNOWN) == [ASK]
     assert monitor.handle(1.0 + 0.9 * ASK_EVERY_S, UNKNOWN) == []
     assert monitor.state == SYNCED

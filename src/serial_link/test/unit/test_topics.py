@@ -71,6 +71,7 @@ class Subscription:
         self, name: str, raw: Any, on_message: Callable[[Any], None], group: Any
     ) -> None:
         self.raw, self.on_message = raw, on_message
+        self.board.subscriptions[0].receive(b"before")  # not connected to the new one yet
         for subscription in self.board.subscriptions:
             subscription.receive(b"meanwhile")
         self.receive(b"kept", latching="1")
@@ -111,11 +112,13 @@ def test_restarted_board_gets_latched_messages_again_and_others_once_under_the_n
     board: Any = Board()
     endpoint = Endpoint(SUBSCRIBER, *INFO[1:3], None, INFO)
     topic = SubscribedTopic(board, endpoint, board, Counters())
-    assert board.sent == [("stream", 100, b"meanwhile"), ("latched", 100, b"kept")]
+    streams = [("stream", 100, b"before"), ("stream", 100, b"meanwhile")]
+    assert board.sent == [*streams, ("latched", 100, b"kept")]
     board.sent.clear()
     topic.update(endpoint._replace(outgoing=INFO._replace(topic_id=101)))
     topic.on_sync()
-    assert board.sent == [("stream", 101, b"meanwhile"), ("latched", 101, b"kept")]
+    streams = [("stream", 101, b"before"), ("stream", 101, b"meanwhile")]
+    assert board.sent == [*streams, ("latched", 101, b"kept")]
     before, now = board.subscriptions
     assert before.is_closed and not now.is_closed
     board.sent.clear()

@@ -91,7 +91,7 @@ class SyncMonitor:
             self._proven_at = self._alive_at = now
             return []
         if event == OPENED:
-            self._loop_s = self._loop_before_s = self._ask_pause_s = 0.0
+            self._loop_s = self._loop_before_s = 0.0
         elif event == TIME:
             self._learn_loop_time(now)
         elif event == TOPIC:

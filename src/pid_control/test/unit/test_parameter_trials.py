@@ -98,9 +98,10 @@ def test_parameter_without_effect_is_tried_by_other_names() -> None:
             {**parameters, "/signal_omega": parameters.get("/process/signal_omega", 3)}
         )
 
-    found, _, _ = tried(COURSEWORKS / "wave_loops", law)
+    found, trials, _ = tried(COURSEWORKS / "wave_loops", law)
     [unread] = found.unread()
     assert (unread.name, list(unread.other_names)) == ("/signal_omega", ["/process/signal_omega"])
+    assert trials.notes == []  # the verdict names it
 
 
 def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
@@ -114,6 +115,47 @@ def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
     assert found.unread() == []
     [note] = trials.notes
     assert "the process node has an amplitude or a frequency of its own" in note
+
+
+def test_output_that_is_distorted_with_any_numbers_is_not_blamed_on_them() -> None:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
+        found = wave_loops(parameters)
+        assert found.process is not None
+        return found._replace(process=found.process._replace(distortion=1.0))
+
+    _, trials, _ = tried(COURSEWORKS / "wave_loops", law)
+    assert trials.notes == []
+
+
+def test_more_numbers_than_can_be_tried_are_named(tmp_path: pathlib.Path) -> None:
+    more = "".join(f"number_{letter}: 1\n" for letter in "abcdefghij")
+    package = copy(
+        "wave_loops", tmp_path, "config/params.yaml", "signal_omega", f"{more}signal_omega"
+    )
+    _, trials, _ = tried(package, wave_loops)
+    assert "parameters not tried: /number_i, /number_j" in trials.notes
+
+
+def test_of_two_numbers_with_one_role_each_is_tried(tmp_path: pathlib.Path) -> None:
+    package = copy(
+        "wave_loops",
+        tmp_path,
+        "config/params.yaml",
+        "signal_omega",
+        "signal_amplitude_b: 2.0\nsignal_omega",
+    )
+    found, _, _ = tried(package, wave_loops)
+    of = {one.name: set(one.of) for one in found.tried}
+    assert (of["/signal_amplitude_b"], of["/signal_amplitude"]) == (set(), {GENERATOR})
+
+
+def test_files_that_are_no_yaml_or_lead_nowhere_are_left_alone(tmp_path: pathlib.Path) -> None:
+    package = copy("wave_loops", tmp_path, "package.xml", "", "")
+    (package / "config" / "a_draft.yaml").write_text("[")
+    (package / "dead_link").symlink_to("nowhere")
+    found, trials, _ = tried(package, wave_loops)
+    assert (found.read_by(GENERATOR), found.read_by(PROCESS)) == (2, 3)
+    assert found.has_files and trials.notes == []
 
 
 def test_parameter_that_ends_a_node_is_read() -> None:

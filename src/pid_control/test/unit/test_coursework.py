@@ -118,6 +118,8 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     for programs in ([], ["sin_gen.py", "my_process.py"]):
         found = find_coursework(folder, [], dict(ENVIRONMENT), programs)
         assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
+    found = find_coursework(folder, [], dict(ENVIRONMENT), ["gen_tools.py", "my_process.py"])
+    assert [node.program for node in found.nodes] == ["my_process.py", "gen_tools.py"]
 
 
 def test_find_coursework_keeps_remappings_and_leaves_parameters_of_others(

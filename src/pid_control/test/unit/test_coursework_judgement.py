@@ -94,6 +94,12 @@ def test_good_coursework_passes_with_all_figures() -> None:
     assert figures["process", "below_zero"] == pytest.approx(0.0, abs=1e-3)
 
 
+def test_depth_below_zero_is_a_share_of_the_outputs_amplitude() -> None:
+    judgement = judged(evidence(output=lambda time: math.sin(2.0 * time + 1.0) + 0.5))
+    figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
+    assert figures["process", "below_zero"] == pytest.approx(0.5, abs=0.01)
+
+
 def test_limits_name_only_metrics() -> None:
     assert list(LIMITS) == ALL
 

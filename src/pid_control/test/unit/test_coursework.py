@@ -1,8 +1,7 @@
 """Tests of finding a coursework in a package."""
 
 import pathlib
-from typing import Any, Dict, List
-from unittest import mock
+from typing import Dict, List
 
 import pytest
 from geometry_msgs.msg import TwistStamped, Vector3Stamped
@@ -20,11 +19,7 @@ from pid_control.signal_runner.coursework import (
 )
 from pid_control.signal_runner.coursework_finder import CourseworkFinder
 from pid_control.signal_runner.message_numbers import numbers_in
-from pid_control.judging.record import Pause
 from pid_control.signal_runner.node_pair import choose_pair, describe_topics
-from pid_control.signal_runner.signal_session import SignalSession
-from pid_control.signal_runner import trial as trial_module
-from pid_control.signal_runner.trial import Trial, TrialError
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 ENVIRONMENT = {"PATH": "/usr/bin:/bin"}
@@ -288,106 +283,3 @@ def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
     assert text == (
         "process_node.py publishes /s (F) and subscribes to nothing; sig_gen.py does not answer"
     )
-
-
-@pytest.mark.parametrize(
-    ("group", "names"), [("", ["/a/gain"]), ("/group", ["/a/gain", "/group/a/gain"])]
-)
-def test_trial_in_a_namespace_keeps_global_names_of_parameters(
-    group: str, names: List[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A source that reads a global name is not at fault: only topics are compared."""
-    server: Dict[str, Any] = {"/stale": 1.0}
-    monkeypatch.setattr("rospy.get_param_names", lambda: list(server))
-    monkeypatch.setattr("rospy.delete_param", server.pop)
-    monkeypatch.setattr("rospy.set_param", server.__setitem__)
-    with Trial(mock.Mock(), mock.Mock(), [], {"/a/gain": 2.0}, 0.0, group=group):
-        assert server == {**dict.fromkeys(names, 2.0), "/use_sim_time": True}
-
-
-def test_trial_knows_the_parameters_that_its_nodes_have_set(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    server = {"/a/gain": 2.0, "/a/set": 1.0, "/ab/set": 3.0, "/set": 4.0}
-    monkeypatch.setattr("rospy.get_param_names", lambda: list(server))
-    monkeypatch.setattr("rospy.get_param", server.__getitem__)
-    node = mock.Mock(global_name="/a")
-    trial = Trial(mock.Mock(), mock.Mock(), [node], {"/a/gain": 2.0}, 0.0)
-    assert trial.own_parameters() == {"/a/set": 1.0}
-
-
-@pytest.mark.parametrize(("is_simulated", "passed"), [(True, 0.0), (False, 0.5)])
-def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
-    is_simulated: bool, passed: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0, is_simulated)
-    trial._running["/a"] = mock.Mock()
-    begin = trial.now
-    monkeypatch.setattr("time.monotonic", iter([7.0, 7.5]).__next__)
-    process = trial._running["/a"]
-    trial.stop_node(mock.Mock(global_name="/a"))
-    assert trial.now - begin == pytest.approx(passed)
-    process.end.assert_called_once_with()
-
-
-def test_trial_names_its_busiest_node_and_ends_all(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("time.sleep", mock.Mock())
-    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
-    for name, times in (("/a", [0.5, 0.6]), ("/b", [0.0, 0.3])):
-        process = mock.Mock(status=None, writes_without_end=False)
-        process.processor_time.side_effect = times
-        trial._running[name] = process
-    with pytest.raises(TrialError) as error:
-        trial._check(mock.Mock(is_its_own=lambda: True))
-    assert (error.value.flaw, error.value.node) == ("flood", "/b")
-    trial.__exit__(None, None, None)
-    for process in trial._running.values():
-        process.end.assert_called_once_with()
-
-
-def test_trial_starts_its_nodes_in_the_group_and_lists_all_their_topics(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    start = mock.Mock()
-    monkeypatch.setattr(trial_module, "ProgramProcess", start)
-    bench = mock.Mock()
-    bench.topics_of.return_value = topics({"/group/s": "F"}, {"/t": "F"})
-    one = good("sine_classes").nodes[0]
-    trial = Trial(bench, mock.Mock(), [one], {}, 0.0, group="/group")
-    trial.start_node(one)
-    assert start.call_args[0][0].argv[-2:] == ["__name:=processor", "__ns:=/group/lab"]
-    monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
-    monkeypatch.setattr(trial, "run", mock.Mock())
-    assert trial.topics([one]) == ["/group/s", "/t"]
-    bench.topics_of.assert_called_with("/group/lab/processor")
-
-
-@pytest.mark.parametrize(
-    ("answers", "publishes"),
-    [([0], False), ([9, 0], False), ([9, 9, 5, 1], False), ([2, 4, 8, 16], True)],
-)
-def test_late_messages_are_no_evidence_of_the_machine_clock(
-    answers: List[int], publishes: bool
-) -> None:
-    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
-    trial._clock = mock.Mock(
-        pause=mock.Mock(side_effect=[Pause(1.0, 1.0, 1.0, n) for n in answers])
-    )
-    assert trial.publishes_while_paused() is publishes
-
-
-@pytest.mark.parametrize(
-    ("distortions", "is_noted"),
-    [([0.01], False), ([0.5, 0.01], True), ([0.5, 0.5, 0.02], True), ([0.5, 0.5, 0.5], False)],
-)
-def test_distorted_record_is_repeated_twice_at_most(
-    distortions: List[float], is_noted: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    parts = (mock.Mock(), ["signal"], False, 60.0, {}, mock.Mock(), mock.Mock())
-    session = SignalSession(*parts)
-    records = iter(mock.Mock(features=mock.Mock(distortion=one)) for one in distortions)
-    monkeypatch.setattr(session, "_repeat_baseline", lambda _: next(records))
-    session._repeat_if_distorted(next(records), mock.Mock())
-    assert next(records, None) is None
-    assert bool(session.notes) is is_noted
-    assert not is_noted or "its distortion was 0.50" in session.notes[0]

@@ -29,8 +29,12 @@ class BoardParameters(ParameterSet):
     baud = read_once(
         IntParameter(57600, minimum=0, maximum=4000000, unit="Bd", help="baud rate; 0 for no limit")
     )
-    buffer_size = read_once(
-        IntParameter(512, minimum=64, maximum=32767, unit="B", help="size of a message buffer")
+    buffer_size = IntParameter(
+        512,
+        minimum=64,
+        maximum=32767,
+        unit="B",
+        help="size of a message buffer, from the next reset",
     )
     boot_time = FloatParameter(
         0.2, minimum=0.0, maximum=60.0, unit="s", help="time from a reset until the sketch runs"

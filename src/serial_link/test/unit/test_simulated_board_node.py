@@ -98,6 +98,12 @@ def test_board_has_its_parameters_from_the_start() -> None:
     assert around.at_shutdown == [board._board.close]
 
 
+def test_parameters_that_a_running_board_does_not_read_are_marked() -> None:
+    declared = BoardParameters.declared
+    marked = {name for name, each in declared.items() if each.read_once}
+    assert marked == {"link", "tcp_address", "tcp_port", "baud", "counts_per_turn"}
+
+
 def test_board_is_started_once(monkeypatch: "pytest.MonkeyPatch") -> None:
     board = SimulatedBoardNode(FakeNode())  # type: ignore[arg-type]
     start = mock.Mock()

@@ -219,7 +219,13 @@ def test_rest_of_a_message_that_the_system_accepts_in_part_follows(
     write, sizes = os.write, iter([3])
     monkeypatch.setattr(os, "write", lambda file, data: write(file, data[: next(sizes, None)]))
     assert port.write_now(b"message")
-    assert end.read() == b"message"
+    received = bytearray()
+
+    def has_all() -> bool:
+        received.extend(end.read())
+        return received == b"message"
+
+    wait_until(has_all, lambda: f"{received!r}")
 
 
 def test_stuck_board_blocks_writer_only_briefly(

@@ -449,3 +449,13 @@ def test_command_reports_why_it_fails(arguments: List[str], why: str) -> None:
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith(f"make_headers: {why}")
     assert done.stderr.count("\n") == 1
+
+
+def test_help_has_the_arguments_and_the_name_of_the_library(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr("sys.argv", ["make_headers", "--help"])
+    with pytest.raises(SystemExit):
+        make_headers.main()
+    words = capsys.readouterr().out
+    assert words.startswith("usage: make_headers [-h]") and "a library, ros_messages," in words

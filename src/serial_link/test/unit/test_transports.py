@@ -55,6 +55,7 @@ def test_foreign_link_is_kept(tmp_path: pathlib.Path) -> None:
     with pytest.raises(OSError, match="the port exists already: .* if so, remove it: '.*/board'"):
         late.plug()
     assert os.listdir("/proc/self/fd") == files
+    late.unplug()
     assert not late.is_plugged and os.readlink(tmp_path / "board") == held
     other.unplug()
     (tmp_path / "board").write_text("a file")

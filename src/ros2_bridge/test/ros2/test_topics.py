@@ -6,6 +6,7 @@ import pathlib
 import struct
 import threading
 import xmlrpc.client
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, List, Tuple, cast
 
@@ -26,6 +27,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.health.topic_health import TopicCounts
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2 import rcl_take
+from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.selection import Rules, Route
@@ -40,6 +42,13 @@ from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError
 HERE = pathlib.Path(__file__).resolve().parent
+HEADER = f"""
+{"=" * 80}
+MSG: std_msgs/Header
+uint32 seq
+time stamp
+string frame_id
+"""
 
 
 def publisher1(ros: both.Both, topic: str, kind: str, latch: bool = False) -> Any:
@@ -425,10 +434,11 @@ def test_lost_ros2_messages_are_counted() -> None:
     pair._throttle = Throttle(1.0)
     pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
     pair._participant = SimpleNamespace(is_own=lambda sender: sender == b"ours")
-    pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
+    codec = Codec("pkg/a", parse("pkg/a", f"Header header{HEADER}"))
+    pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=codec)
     passed: List[Any] = []
     pair._publisher = SimpleNamespace(publish_all=passed.extend)
-    good, bad = b"\0\1\0\0\0", b""
+    good, bad = b"\0\1\0\0" + struct.pack("<iIIB", 5, 0, 1, 0), b""
     arrived = [
         (good, b"a", 1),
         (good, b"a", 4),
@@ -439,7 +449,8 @@ def test_lost_ros2_messages_are_counted() -> None:
     ]
     pair._forward(False, [ReceivedMessage(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
-    assert len(passed) == 4
+    # ROS 1 numbers the messages of a topic.
+    assert [struct.unpack_from("<I", one._buff)[0] for one in passed] == [0, 1, 2, 3]
     pair.limit.set_rate(0.01)
     pair._forward(False, [ReceivedMessage(good, b"b", number) for number in (10, 11, 12)])
     assert (pair.count.passed, pair.count.thinned) == (5, 2)
@@ -507,6 +518,26 @@ def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None
     assert latched == [["one", "two"], ["two"]]
 
 
+def test_volatile_message_of_a_latched_topic_is_not_latched() -> None:
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    calls: List[Tuple[str, int]] = []
+    pair._publisher = SimpleNamespace(
+        publish_all=lambda messages: calls.append(("publish", len(messages))),
+        latch_all=lambda messages: calls.append(("latch", len(messages))),
+    )
+    pair._participant = SimpleNamespace(is_own=lambda _: False)
+    pair._found, pair._latching = SimpleNamespace(latched=True), {b"plain": False}
+    pair._subscriptions, pair._seq, pair._last, pair._lock = {}, 0, {}, threading.Lock()
+    pair._kept, pair.count, pair.limit = BridgedResources(), PairCounters(), RateLimit()
+    codec = SimpleNamespace(to_ros1=lambda *_: b"")
+    pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=codec)
+    pair.limit.set_rate(0.01)
+    for kept, sender in ((False, b"plain"), (True, b"map"), (True, b"map")):
+        pair._forward(kept, [ReceivedMessage(b"", sender, None)])
+    # A latched topic keeps the last message until it is told which ones to keep.
+    assert calls == [("publish", 1), ("latch", 0), *[("latch", 1), ("publish", 1)] * 2]
+
+
 @pytest.mark.parametrize("latched", (True, False))
 def test_common_subscription_is_best_effort_if_a_publisher_is(latched: bool) -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
@@ -532,6 +563,7 @@ def test_failing_topic_does_not_affect_others() -> None:
     with pytest.raises(RCLError, match="one fails"):
         bridge.follow_subscribers1()
     assert followed == ["wanted"]
+    bridge.update_pairs = fail
     with pytest.raises(RCLError, match="one fails"):
         rules = Rules(True, True, ["*"], [], max_rates=MaxRates(["/b=5"]))
         bridge.update_topics(rules, Ros1Graph({}, {}, {}, {}, 1), {}, {})
@@ -541,6 +573,75 @@ def test_failing_topic_does_not_affect_others() -> None:
         [True, True],
         [True, False],
     ]
+
+
+def test_topic_is_bridged_from_its_publishers_unless_it_belongs_to_an_action() -> None:
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
+    routes: List[Route] = []
+    bridge.update_pairs = routes.extend
+    published = {"/level": {"/sensor"}, "/arm/goal": {"/planner"}}
+    types = {"/level": "std_msgs/Float32", "/arm/goal": "acme_msgs/GrabActionGoal"}
+    graph, number = Ros1Graph(published, {}, types, {}, 1), {"std_msgs/msg/Float32"}
+    heard = Topic(number, set(), set(), {"/display"}, {}, set())
+    topics = {"/level": heard, "/speed": heard, "/power": heard._replace(publishers={"/meter"})}
+    bridge.update_topics(Rules(True, True, ["*"], []), graph, topics, {})
+    assert sorted(routes) == [Route("/level", True), Route("/power", False)]
+
+
+def test_type_of_a_subscriber_to_any_type_is_unknown() -> None:
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
+    bridge._types = SimpleNamespace(ros1_name=lambda _: "std_msgs/Float32", message=str)
+    bridge._ros1 = Ros1Graph({}, {}, {"/level": "*"}, {}, 1)
+    bridge._ros2 = {"/level": Topic({"std_msgs/msg/Float32"}, set(), set(), set(), {}, set())}
+    assert bridge._kind(Route("/level", False)) == "std_msgs/Float32"
+    assert bridge._kind(Route("/level", True)) is None
+
+
+@pytest.mark.parametrize("chosen", ([], [{"topic": "/map", "durability": "transient_local"}]))
+def test_topic_without_subscribers_is_received_while_it_is_latched(chosen: Any) -> None:
+    calls: List[str] = []
+
+    def create_scope() -> Any:
+        def close() -> None:
+            calls.append("unsubscribed")
+
+        def subscribe(*_: Any, **__: Any) -> None:
+            calls.append("subscribed")
+
+        return SimpleNamespace(create_batch_subscription=subscribe, close=close)
+
+    node: Any = SimpleNamespace(create_scope=create_scope)
+    participant, kind = cast(Any, Keeping()), cast(Any, SimpleNamespace(cls=None, raw=None))
+    pair = TopicToRos2(node, participant, "/map", "/map", kind, QosProfiles(9, chosen))
+    for is_heard in (True, False):
+        pair.forward_while(is_heard)
+    assert calls == (["subscribed"] if chosen else ["subscribed", "unsubscribed"])
+    calls.clear()
+    pair.forward_while(True)
+    pair.publishers.publish("/map_server", b"a", True)
+    pair.forward_while(False)
+    assert calls == ([] if chosen else ["subscribed"])
+
+
+def test_topic_keeps_its_type_in_ros1_and_is_bridged_again_once_it_is_latched() -> None:
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
+    closed: List[str] = []
+    to_ros1, to_ros2 = Route("/map", False), Route("/map", True)
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    pair.kind, pair._found = SimpleNamespace(ros1="a/Map"), SimpleNamespace(latched=False)
+    pair.close = partial(closed.append, "volatile")
+    bridge.pairs.update({to_ros1: pair, to_ros2: SimpleNamespace(kind=pair.kind)})
+    bridge._has_same_type, bridge._has_known_definitions = (lambda *_: True), (lambda _: True)
+    bridge._begin = lambda _: "latched"
+    # ROS 2's subscriber has another type.
+    mixed = Topic({"b/msg/Map"}, {"/map"}, set(), {"/view"}, {False: False}, set())
+    bridge._rules, bridge._ros2 = Rules(True, True, ["*"], []), {"/map": mixed}
+    bridge._types = SimpleNamespace(ros1_name=str, message=lambda name: SimpleNamespace(ros1=name))
+    bridge.update_pairs([to_ros1])
+    assert bridge.types() == dict.fromkeys([to_ros1, to_ros2], "a/Map") and not closed
+    bridge._ros2 = {"/map": mixed._replace(offers={True: False})}
+    bridge.update_pairs([to_ros1])
+    assert bridge.pairs[to_ros1] == "latched" and closed == ["volatile"]
 
 
 def test_topic_is_closed_when_a_publisher_of_another_definition_joins() -> None:

@@ -1,10 +1,11 @@
 """make_environment reports failures in one message, and builds twins in order."""
 
 import concurrent.futures
+import os
 import pathlib
 import platform
 import sys
-from typing import Dict, List, Sequence
+from typing import Any, Dict, Iterator, List, Sequence
 
 import pytest
 import yaml
@@ -325,9 +326,25 @@ def test_packages_are_found_at_any_depth_as_catkin_finds_them(
         "deep_msgs": "folder",
     }
     assert capsys.readouterr().err == ""
-    package(tmp_path / "repository" / "top_msgs")
-    assert sorted(python_environment.packages_under(tmp_path)) == ["deep_msgs", "top_msgs"]
-    assert "top_msgs/package.xml: same name as /" in capsys.readouterr().err
+
+
+def test_first_path_counts_of_packages_with_the_same_name(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    for folder in ("fork", "master"):
+        package(tmp_path / folder / "arm_msgs")
+    walk = os.walk
+
+    def walk_backwards(*given: Any, **named: Any) -> Iterator[Any]:
+        for place, folders, files in walk(*given, **named):
+            folders.sort(reverse=True)  # as a file system may list them
+            yield place, folders, files
+
+    monkeypatch.setattr(os, "walk", walk_backwards)
+    found = python_environment.packages_under(tmp_path)
+    assert found == {"arm_msgs": tmp_path / "fork" / "arm_msgs"}
+    error = f"{tmp_path}/master/arm_msgs/package.xml: same name as {tmp_path}/fork/arm_msgs"
+    assert error in capsys.readouterr().err
 
 
 def test_package_with_an_invalid_manifest_is_named_and_skipped(

@@ -333,10 +333,12 @@ def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
 def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
     """Return the packages in a folder at any depth, as catkin finds them.
 
-    A package whose package.xml cannot be read is skipped, with a message.
+    A package whose package.xml cannot be read is skipped, with a message. So are all packages of
+    the same name but the first, in alphabetical order of the paths.
     """
     found: Dict[str, pathlib.Path] = {}
     for place, folders, files in os.walk(str(folder), followlinks=True):
+        folders.sort()
         if "CATKIN_IGNORE" in files:
             folders.clear()
         elif "package.xml" in files:

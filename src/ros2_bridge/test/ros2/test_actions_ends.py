@@ -1,6 +1,8 @@
 """Goals that outlive their bridge, and actions of a bridge with its own settings."""
 
+import collections
 import contextlib
+import itertools
 import signal
 import threading
 from functools import partial
@@ -17,16 +19,23 @@ from action_server2 import Server
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.exceptions import InvalidServiceNameException
 from rclpy.node import Node
+from rclpy.serialization import serialize_message
 
 import nodekit
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.action_bridge import actionlib_messages, ros1_server_in_ros2
+from ros2_bridge.action_bridge import (
+    actionlib_messages,
+    ros1_server_in_ros2,
+    ros2_server_in_ros1,
+)
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
-from ros2_bridge.actions.ros1_goal_tracker import TimedOutGoals
-from ros2_bridge.actions.ros2_goal_tracker import GONE, NO_ANSWER
+from ros2_bridge.actions.ros1_goal_tracker import Ros1GoalTracker, TimedOutGoals
+from ros2_bridge.actions.ros2_goal_tracker import GONE, NO_ANSWER, Ros2GoalTracker
+from ros2_bridge.actions.states import Ros1Status
+from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
@@ -158,6 +167,45 @@ def test_server_of_ros2_leaves_nothing_and_may_have_no_goal_to_cancel(
     server._clients = [SimpleNamespace(close=partial(calls.append, "client"))]
     server.close()
     assert calls == ["of set()", "scope", "status", "client"]
+
+
+def test_goals_that_a_server_has_already_are_listed_once_it_is_offered() -> None:
+    sent: List[bytes] = []
+    server: Any = Ros1ServerInRos2.__new__(Ros1ServerInRos2)
+    server._participant = SimpleNamespace(
+        create_publisher=lambda *_: SimpleNamespace(publish=sent.append),
+        create_service=lambda *_: None,
+        destroy_publisher=None,
+    )
+    services = ("CancelGoalService", "GetResultService", "SendGoalService")
+    impl = SimpleNamespace(**dict.fromkeys(("FeedbackMessage", *services)))
+    server.kind = SimpleNamespace(cls=SimpleNamespace(Impl=impl))
+    server.owner, server._other = None, "/leg"
+    server._offered, server._lock = None, threading.RLock()
+    server._goals = Ros1GoalTracker(lambda: 1.0, server._publish_status)
+    server._goals.on_status([("of ROS 1", 5, Ros1Status.ACTIVE)], 0.0)
+    assert not sent
+    server._offer()
+    ((goal,),) = map(read_list, sent)
+    assert (goal.stamp, goal.status) == (5, GoalStatus.STATUS_EXECUTING)
+
+
+def test_answers_to_a_bounded_number_of_goals_are_awaited(
+    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(ros2_server_in_ros1, "DEPTH", 2)
+    kind = ros.types.action("bot_controller_demo_msgs/GoTo")
+    forgotten: List[int] = []
+    numbers = itertools.count()
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    server.kind, server._send_type = kind, kind.cls.Impl.SendGoalService
+    server._calls, server._lock = collections.deque(), threading.RLock()
+    server._goals = Ros2GoalTracker(lambda: 1.0, cast(Any, None), list)
+    server._send = SimpleNamespace(send=lambda *_: next(numbers), forget=forgotten.append)
+    content = kind.goal.to_ros1(serialize_message(kind.cls.Goal()))
+    for text in "abcd":
+        server._on_goal(actionlib_messages.write_goal(kind.raw_goal, text, 0, content))
+    assert forgotten == [0, 1]
 
 
 def test_action_with_failing_services_is_not_offered(ros: both.Both) -> None:

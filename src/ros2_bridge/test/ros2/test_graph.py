@@ -183,6 +183,8 @@ def test_no_more_nodes_appear_than_may() -> None:
     assert set(bridge.shown("abcdefg", most=3)) == {"/a", "/b", "/c"}  # existing nodes stay
     line = "not bridged: nodes of ROS 1 beyond ~max_nodes, 3: /d, /e, /f and 1 more"
     assert bridge.log.next_line(0.0) == line
+    bridge.shown("abcdef", most=3)
+    assert bridge.log.next_line(2.0) == line.replace(" and 1 more", "")
     assert set(bridge.shown("ac", most=1)) == {"/c"}
     assert bridge.shown("ac", most=0) == {}
 
@@ -332,6 +334,15 @@ def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
     assert first < 4 and all(seen[first:])  # a program without a node is found, and stays
     assert participant.asked <= 8 * 53
     assert graph.shared_names == {"/front/lidar"}  # its services are those of one node only
+
+
+def test_of_several_servers_of_a_service_the_last_by_name_counts() -> None:
+    participant: Any = ManyTopics()
+    reset = ("/reset", ["std_srvs/srv/Trigger"])
+    participant.get_service_names_and_types_by_node = lambda *_: [reset]
+    graph: Any = Ros2Graph(participant, Renaming())
+    for nodes in (["/b", "/a"], ["/a", "/b"]):  # sets have any order
+        assert graph.services(nodes) == {"/reset": ("std_srvs/srv/Trigger", "/b")}
 
 
 class TwoPublishers(ManyTopics):

@@ -20,9 +20,11 @@ from std_msgs.msg import Float32, Header, String
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge import diagnostics
 from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.health.topic_health import TopicHealthMonitor
 from ros2_bridge.ros1.single_instance import marker
+from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
 
 REPORT = both.SOURCES / "ros2_bridge" / "scripts" / "report"
@@ -230,6 +232,16 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
         assert loop.report()[0] is is_well
     assert loop.report()[1].startswith("/ros2_bridge: ERROR the graphs have not been read for 12")
     assert "services 2, actions 1, memory" in loop.report()[1]
+
+
+def test_diagnostics_have_their_name_in_ros2(ros: both.Both) -> None:
+    names: List[str] = []
+    node: Any = SimpleNamespace(create_publisher=lambda *given: names.append(given[0]))
+    participant: Any = SimpleNamespace(
+        node=None, create_publisher=lambda *given: names.append(given[2])
+    )
+    diagnostics.Diagnostics(node, participant, ros.types, Renaming(["/=/lab"]))
+    assert names == ["/diagnostics", "/lab/diagnostics"]
 
 
 def test_report_without_a_bridge_fails_with_the_reason(ros: both.Both) -> None:

@@ -13,6 +13,7 @@ import time
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, List, Set
+from unittest import mock
 
 import both
 import pytest
@@ -31,10 +32,14 @@ from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.environment.middleware import middleware
 from ros2_bridge.graph_loop import GraphLoop
-from ros2_bridge.ros1.node_registrar import NodeRegistrar
+from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros1.node_registrar import NodeRegistrar, Registration
 from ros2_bridge.ros1.single_instance import domain
 from ros2_bridge.ros2 import participant as participant_module
+from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import Route
+from ros2_bridge.rules.skip_log import SkipLog
 
 #: How long roslaunch waits for a node to end before it kills it [s]: its DEFAULT_TIMEOUT_SIGINT,
 #: which cannot be imported where messages are those of ROS 2.
@@ -102,6 +107,13 @@ def test_participant_closes_after_its_nodes(
         return sorted(name for name, _ in names if name.startswith(("leaves", "_ros2_bridge")))
 
     wait_until(lambda: len(listed()) == 2, lambda: str(listed()))
+
+    def temporary() -> List[str]:
+        names = ros.node.get_topic_names_and_types()
+        return [name for name, _ in names if name.startswith("/_")]
+
+    # The topic by which it has found its id.
+    wait_until(lambda: not temporary(), lambda: str(temporary()))
     seen: List[List[str]] = []
 
     def pause(_: float) -> None:
@@ -258,6 +270,46 @@ def test_no_registration_after_close(ros: both.Both) -> None:
     nodes.register({"/early": set(), "/late": set()}, set(), False)  # by a poll that was slow
     assert rospy.get_master().lookupNode("/early")[0] == -1
     assert rospy.get_master().lookupNode("/late")[0] == -1
+
+
+def test_poll_of_the_graphs_updates_each_part() -> None:
+    loop: Any = GraphLoop.__new__(GraphLoop)
+    parts = ("parameters", "renaming", "graph", "nodes", "rosout", "topics", "services", "actions")
+    for part in (*parts, "description", "nodes_in_ros1"):
+        setattr(loop, f"_{part}", mock.MagicMock())
+    loop._ended, loop._skip_log, loop._master_pid = threading.Event(), SkipLog(), 0
+    loop._trouble, loop._polled_at = "nothing new is bridged", 0.0
+    speed = Topic({"std_msgs/msg/Float32"}, {"/motor"}, set(), {"/display"}, {}, set())
+    loop._graph.nodes.return_value = {"/motor", "/display"}
+    loop._graph.topics.return_value = {"/speed": speed}
+    loop._services.servers.return_value = {"/reset": "/motor"}
+    kind = "std_msgs/Float32"
+    loop._topics.types.return_value = {Route("/speed", True): kind, Route("/speed", False): kind}
+    loop._renaming.in_ros2.return_value = None
+    loop._graph.nameless, loop._graph.shared_names = {"/lost"}, {"/twice"}
+    # The first poll finds nodes of a killed bridge; later the master is started again.
+    pids, stale = [1, 1, 1, 2, 2], [True, False, False, False]
+    loop._nodes_in_ros1.remove_stale.side_effect = stale
+    graphs = [Ros1Graph({"/rosout": {"/a"}}, {}, {}, {"/free": "/rosout"}, pid) for pid in pids]
+    read = iter(graphs)
+    loop._read_ros1 = lambda: next(read)
+    restarted = []
+    for _ in stale:
+        loop._poll_graphs()
+        ros1, *_, is_restarted = loop._nodes.update_nodes.call_args[0]
+        entries, _, is_registered_again = loop._nodes_in_ros1.register.call_args[0]
+        restarted.append((is_restarted, is_registered_again))
+    assert ros1 is graphs[-1]
+    assert restarted == [(False, False), (False, False), (True, True), (False, False)]
+    assert entries == {
+        "/motor": {Registration("Publisher", "/speed", kind), Registration("Service", "/reset")},
+        "/display": {Registration("Subscriber", "/speed", kind)},
+    }
+    for part in (loop._topics, loop._services, loop._actions):
+        part.close_denied.assert_called_with(loop._parameters.values.bridged.return_value)
+    assert loop._trouble == "" and loop._polled_at > 0.0
+    reasons = [reason.partition(":")[0] for reason in loop._skip_log.current()]
+    assert reasons == ["/a of ROS 1", "/free of ROS 1"]  # those of ROS 2 are of the first poll
 
 
 def test_failure_at_shutdown_does_not_stop_the_rest() -> None:

@@ -5,6 +5,7 @@ import itertools
 import struct
 import threading
 import time
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, List
 
@@ -20,13 +21,16 @@ from test_topics import RCLError
 
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
+from nodekit import Throttle
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.actions.discovery import Server
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2 import wait_loop
 from ros2_bridge.ros2.call_window import QUEUE
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
 from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.selection import Route, Rules
 from ros2_bridge.rules.renaming import Renaming
@@ -304,6 +308,14 @@ def test_request_that_ros1_cannot_represent_is_answered_with_the_reason() -> Non
     sent: List[Any] = []
     pair._answer(SetBool.Request(), sent.append)
     assert [(one.success, one.message) for one in sent] == [(False, "a time before 1970")]
+    texts = dict.fromkeys(("status_message", "message"), "string")  # as controllers answer
+
+    class Both:
+        get_fields_and_field_types = staticmethod(lambda: {"success": "boolean", **texts})
+
+    pair.kind.cls = SimpleNamespace(Response=Both)
+    pair._fail(sent.append, "it is off")
+    assert vars(sent[-1]) == {"message": "it is off"}
 
 
 def test_calls_without_an_answer_leave_nothing() -> None:
@@ -316,6 +328,33 @@ def test_calls_without_an_answer_leave_nothing() -> None:
         with pytest.raises(NoResponse, match="/stuck in ROS 2: no answer within 0.001 s$"):
             client.call(None, 0.001)
     assert not client._waiting
+    for _ in range(QUEUE - 2):
+        client._window.enter(0.0)
+    for end in ("$", f"; {QUEUE} calls are pending, and a server keeps {QUEUE} requests"):
+        with pytest.raises(NoResponse, match=f"within 0.001 s{end}"):
+            client.call(None, 0.001)
+        client._window.enter(0.0)
+
+
+def test_closed_service_leaves_nothing() -> None:
+    for cls in (ServiceToRos2, ServiceToRos1):
+        ended: List[str] = []
+        pair: Any = cls.__new__(cls)
+        pair._scope = SimpleNamespace(close=partial(ended.append, "in ROS 1"))
+        pair._client = SimpleNamespace(close=partial(ended.append, "in ROS 2"))
+        pair._end = pair._client.close
+        pair.close()
+        assert sorted(ended) == ["in ROS 1", "in ROS 2"]
+
+
+def test_service_with_a_name_that_ros2_forbids_is_reported() -> None:
+    nothing: Any = None
+    skip_log = SkipLog()
+    services: Any = ServiceBridge(nothing, nothing, nothing, nothing, skip_log, lambda: 1.0)
+    services._names, services._types1 = Renaming(), SimpleNamespace(of=pytest.fail)
+    services.update_pairs([Route("/1/reset", True)])
+    (reason,) = skip_log.current()
+    assert reason.startswith("/1/reset: ") and "a token that starts with a number" in reason
 
 
 @pytest.mark.parametrize(
@@ -344,6 +383,48 @@ def test_server_moves_to_its_node_once_that_is_in_ros2(
         bridge._owners = owners
         bridge.update_pairs([route])
     assert bridge.pairs[route].owner == "/arm" and closed == ["/ros2_bridge"]
+
+
+def test_unfinished_subscription_receives_once_in_a_turn_and_not_after_its_end() -> None:
+    loop: Any = WaitLoop.__new__(WaitLoop)
+    loop._lock, loop._wake_up, loop._pending_calls = threading.Lock(), None, []
+    calls: List[Any] = []
+
+    def wait(seconds: int) -> None:
+        calls.append(seconds)
+        loop._ended = True
+
+    def waitable(name: str) -> Waitable:
+        entity = SimpleNamespace(handle=name)
+        return Waitable("subscription", entity, lambda _: calls.append(name))
+
+    busy, gone = waitable("busy"), waitable("gone")
+    wait_set = SimpleNamespace(
+        clear_entities=dict, add_guard_condition=id, wait=wait, get_ready_entities=lambda _: ["b"]
+    )
+    loop._fill = lambda *_: (wait_set, [("subscription", id, {"b": busy})])
+    loop._waitables, loop._throttle = {1: busy}, Throttle(1.0)
+    for unfinished in ([busy, gone], [gone]):
+        loop._unfinished, loop._ended = unfinished, False
+        loop._wait_until_changed()
+    assert calls == [0, "busy", -1, "busy"]
+
+
+def test_loop_pauses_after_a_failure(monkeypatch: "pytest.MonkeyPatch") -> None:
+    loop: Any = WaitLoop.__new__(WaitLoop)
+    loop._throttle, loop._ended = Throttle(1.0), False
+    calls: List[Any] = []
+
+    def fail() -> None:
+        calls.append("failed")
+        loop._ended = len(calls) >= 3
+        raise RuntimeError("of ROS 2")
+
+    monkeypatch.setattr(wait_loop, "time", SimpleNamespace(sleep=calls.append))
+    monkeypatch.setattr(rospy, "logerr", id)
+    loop._wait_until_changed = fail
+    loop._run()
+    assert calls == ["failed", 0.2, "failed"]
 
 
 def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -265,6 +265,17 @@ def test_depth_that_the_user_sets_holds_for_large_messages() -> None:
     assert participant.depths == [50]
 
 
+def test_message_is_latched_on_a_topic_that_the_user_makes_latched() -> None:
+    chosen = {"topic": "/map", "durability": "transient_local", "depth": 9}
+    publishers, participant = keeping_pair(9, [chosen])
+    publishers.publish("/plain", b"a", False)
+    assert not publishers.has_latched()
+    publishers.publish("/map_server", b"b", True)
+    assert publishers.has_latched()
+    publishers.update_publishers({"/map_server"}, cast(Any, {"/map_server": "map_server"}), False)
+    assert participant.sent[-1] == ("map_server", b"b")
+
+
 def test_images_from_ros1_arrive_in_order(ros: both.Both, bridge: both.Bridge) -> None:
     """The first one makes the bridge hold fewer; none is lost or repeated by that."""
     recorder = ros.hear2("/images", UInt8MultiArray, depth=10)
@@ -437,7 +448,8 @@ def test_lost_ros2_messages_are_counted() -> None:
     codec = Codec("pkg/a", parse("pkg/a", f"Header header{HEADER}"))
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=codec)
     passed: List[Any] = []
-    pair._publisher = SimpleNamespace(publish_all=passed.extend)
+    stalled = SimpleNamespace(lost=4, held_bytes=50)
+    pair._publisher = SimpleNamespace(publish_all=passed.extend, statistics=lambda: [stalled] * 2)
     good, bad = b"\0\1\0\0" + struct.pack("<iIIB", 5, 0, 1, 0), b""
     arrived = [
         (good, b"a", 1),
@@ -453,7 +465,7 @@ def test_lost_ros2_messages_are_counted() -> None:
     assert [struct.unpack_from("<I", one._buff)[0] for one in passed] == [0, 1, 2, 3]
     pair.limit.set_rate(0.01)
     pair._forward(False, [ReceivedMessage(good, b"b", number) for number in (10, 11, 12)])
-    assert (pair.count.passed, pair.count.thinned) == (5, 2)
+    assert pair.counts() == TopicCounts(5, lost=3, refused=1, unread=8, thinned=2, held=100)
     # Nothing is lost while the topic has no subscribers in ROS 1.
     pair._subscriptions, pair.kind.cls, pair._other = {}, None, "/quick"
     pair._participant.create_subscription = lambda *_: lambda: None
@@ -518,6 +530,24 @@ def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None
     assert latched == [["one", "two"], ["two"]]
 
 
+def test_subscription_is_replaced_by_one_of_another_quality_and_ends_with_its_pair() -> None:
+    pair: Any = TopicToRos1.__new__(TopicToRos1)
+    calls: List[Any] = []
+
+    def subscribe(*given: Any) -> Any:
+        calls.append(given[2])
+        return partial(calls.append, f"unsubscribed {given[2].depth}")
+
+    pair._participant, pair._subscriptions = SimpleNamespace(create_subscription=subscribe), {}
+    pair.kind, pair._other, pair._last = SimpleNamespace(cls=None), "/level", {}
+    pair._scope = SimpleNamespace(close=partial(calls.append, "unpublished"))
+    before, after = QosProfile(7), QosProfile(8, best_effort=True)
+    for quality in (before, before, after):
+        pair._switch({False: quality})
+    pair.close()
+    assert calls == [before, "unsubscribed 7", after, "unsubscribed 8", "unpublished"]
+
+
 def test_volatile_message_of_a_latched_topic_is_not_latched() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     calls: List[Tuple[str, int]] = []
@@ -575,15 +605,13 @@ def test_failing_topic_does_not_affect_others() -> None:
     ]
 
 
-def test_topic_is_bridged_from_its_publishers_unless_it_belongs_to_an_action() -> None:
+def test_topic_is_bridged_from_its_publishers() -> None:
     bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
     routes: List[Route] = []
     bridge.update_pairs = routes.extend
-    published = {"/level": {"/sensor"}, "/arm/goal": {"/planner"}}
-    types = {"/level": "std_msgs/Float32", "/arm/goal": "acme_msgs/GrabActionGoal"}
-    graph, number = Ros1Graph(published, {}, types, {}, 1), {"std_msgs/msg/Float32"}
-    heard = Topic(number, set(), set(), {"/display"}, {}, set())
+    heard = Topic({"std_msgs/msg/Float32"}, set(), set(), {"/display"}, {}, set())
     topics = {"/level": heard, "/speed": heard, "/power": heard._replace(publishers={"/meter"})}
+    graph = Ros1Graph({"/level": {"/sensor"}}, {}, {}, {}, 1)
     bridge.update_topics(Rules(True, True, ["*"], []), graph, topics, {})
     assert sorted(routes) == [Route("/level", True), Route("/power", False)]
 

@@ -119,6 +119,23 @@ def test_rule_for_packages_that_are_not_installed_is_refused(registry: Callable[
         registry([{"ros1": "acme_msg", "ros2": "other_msg"}])
     assert "package acme_msg is not installed in ROS 1" in str(caught.value)
     assert "package other_msg is not installed in ROS 2" in str(caught.value)
+    imu = {"ros1": "acme_msgs/Imu", "ros2": "other_msgs/msg/ImuData"}
+    with pytest.raises(MappingRuleError, match="type acme_msgs/Imu is not installed in ROS 1"):
+        registry([LIMB, imu])
+
+
+def test_missing_type_is_searched_once(registry: Callable[..., Any]) -> None:
+    types_, searched = registry([]), []
+
+    def fail(name: str) -> None:
+        searched.append(name)
+        raise Unbridgeable(f"{name} is missing")
+
+    types_._make_message = fail
+    for _ in range(2):  # as each poll asks for it
+        with pytest.raises(Unbridgeable, match="acme_msgs/Nothing is missing"):
+            types_.message("acme_msgs/Nothing")
+    assert searched == ["acme_msgs/Nothing"]
 
 
 def test_rule_for_a_package_pairs_names_with_their_camel_case(

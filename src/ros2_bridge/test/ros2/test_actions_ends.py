@@ -117,6 +117,25 @@ def test_only_allowed_actions_with_servers_in_both_are_reported() -> None:
     assert [reason.partition(": ")[0] for reason in skip_log.current()] == ["/robot/left"]
 
 
+def test_action_ends_with_its_type_and_needs_a_name_in_ros1() -> None:
+    nothing: Any = None
+    actions: Any = ActionBridge(nothing, nothing, nothing, SkipLog(), lambda: 1.0)
+    begun: List[Route] = []
+    closed: List[str] = []
+    actions._types = SimpleNamespace(ros1_name=lambda name: name.replace("/action", ""))
+    actions._begin = begun.append
+    pair: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    pair.kind, pair.follow = SimpleNamespace(ros1="acme_msgs/Grab"), lambda: None
+    pair.close = partial(closed.append, "/hand")
+    actions.pairs[Route("/hand", False)] = pair
+    rules = Rules(True, True, ["*"], [], Renaming(["/=/lab"]))
+    for kind, ended in (("Grab", []), ("Wave", ["/hand"])):
+        server = (f"acme_msgs/action/{kind}_SendGoal", "/robot")
+        services2 = {f"{name}/_action/send_goal": server for name in ("/lab/hand", "/foot")}
+        actions.update_actions(rules, Ros1Graph({}, {}, {}, {}, 1), services2, {})
+        assert (closed, begun) == (ended, [])
+
+
 def test_goals_are_aborted_once_their_server_was_away_for_a_second(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:

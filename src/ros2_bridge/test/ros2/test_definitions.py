@@ -4,6 +4,7 @@ import os
 import pathlib
 import subprocess
 import sys
+from types import SimpleNamespace
 from typing import Any, Callable, Iterator, List
 
 import both
@@ -161,3 +162,17 @@ def test_node_that_did_not_describe_its_type_is_asked_again(
     assert [client.is_closed for client in SilentClient.made] == [True, False, False]
     assert definitions.are_known_to_fit(*asked[:2], "INVALID", "/of_an_older_ros2")
     assert len(SilentClient.made) == 3
+
+
+def test_other_names_are_warned_of_once(monkeypatch: "pytest.MonkeyPatch") -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+    definitions: Any = PeerDefinitions(None)  # type: ignore[arg-type]
+    name, its_hash, node = "std_msgs/msg/Int32", "RIHS01_other", "/wheel"
+    theirs = [one._replace(name="value") for one in definitions._own_definition(name)[1]]
+    answered = SimpleNamespace(fields=theirs, close=lambda: None)
+    definitions._questions[name, its_hash, node] = answered
+    for _ in range(2):  # at each poll
+        assert definitions.are_known_to_fit("/speed", name, its_hash, node)
+    (line,) = lines
+    assert line.startswith("/speed: /wheel has another definition of std_msgs/msg/Int32, with")

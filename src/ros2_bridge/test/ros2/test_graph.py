@@ -10,9 +10,10 @@ from typing import Any, Dict, List, cast
 import both
 import pytest
 import rospy
-from rcl_interfaces.msg import Log
+from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from test_topics import publisher1
@@ -25,6 +26,7 @@ from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.node_bridge import NodeBridge, NodeToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Ros2Graph
+from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
@@ -256,6 +258,19 @@ def test_parameters_of_ros2_nodes_are_written_if_wanted_and_to_each_new_master(
     assert poll(True) == ["report_unfit", "retry_write_all"]
     assert poll(True, is_restarted=True) == ["report_unfit", "write_all"]
     assert poll(False) == ["close"]
+
+
+def test_changes_of_nodes_of_ros2_alone_are_written_to_ros1() -> None:
+    bridge: Any = FewNodes()
+    written: List[str] = []
+    bridge._participant.is_own = lambda sender: sender == b"ours"
+    bridge._names = Renaming(["/lab=/"])
+    mirror: Any = SimpleNamespace(write_event=lambda event: written.append(event.node))
+    bridge._to_ros1.update({"/lab/motor": mirror, "/motor": None})
+    events = [serialize_message(ParameterEvent(node=name)) for name in ("/motor", "/unknown")]
+    senders = (b"ours", b"theirs")
+    bridge._forward_events([ReceivedMessage(one, who, 1) for one in events for who in senders])
+    assert written == ["/motor"]
 
 
 def test_node_that_ros2_refuses_keeps_no_other_from_appearing(

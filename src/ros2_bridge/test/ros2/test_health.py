@@ -22,7 +22,6 @@ from test_topics import publisher1
 from nodekit.testing.waiting import wait_until
 from ros2_bridge import diagnostics
 from ros2_bridge.graph_loop import GraphLoop
-from ros2_bridge.health.topic_health import TopicHealthMonitor
 from ros2_bridge.ros1.single_instance import marker
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
@@ -221,7 +220,8 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
     published: List[Any] = []
     loop: Any = GraphLoop.__new__(GraphLoop)
     loop._node, loop._trouble = SimpleNamespace(name="/ros2_bridge"), ""
-    loop._monitor, loop._skip_log = TopicHealthMonitor(), SkipLog()
+    loop._skip_log, times = SkipLog(), []
+    loop._monitor = SimpleNamespace(update=lambda now, _: times.append(now) or {})
     loop._topics = SimpleNamespace(counts=lambda: {})
     loop._services, loop._actions = SimpleNamespace(pairs={1, 2}), SimpleNamespace(pairs={1})
     loop._diagnostics = SimpleNamespace(has_subscribers=lambda: True, publish=published.append)
@@ -232,6 +232,7 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
         assert loop.report()[0] is is_well
     assert loop.report()[1].startswith("/ros2_bridge: ERROR the graphs have not been read for 12")
     assert "services 2, actions 1, memory" in loop.report()[1]
+    assert times == sorted(times) and times[0] > loop._polled_at  # of now, for the rates
 
 
 def test_diagnostics_have_their_name_in_ros2(ros: both.Both) -> None:

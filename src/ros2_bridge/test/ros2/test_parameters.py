@@ -33,6 +33,7 @@ from rclpy.serialization import serialize_message
 from test_topics import publisher1
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.parameters import parameter_services
 from ros2_bridge.parameters.messages import descriptor, to_message
 from ros2_bridge.parameters.ros1_parameters import Parameter as Known
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
@@ -412,6 +413,41 @@ def test_events_name_new_changed_and_deleted_parameters() -> None:
     parts = (event.new_parameters, event.changed_parameters, event.deleted_parameters)
     assert [[one.name for one in part] for part in parts] == [["c"], ["b"], ["a"]]
     assert (event.node, event.stamp.sec) == ("/arm", 5)
+
+
+def test_change_is_published_at_once_unless_it_is_refused() -> None:
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    published: List[str] = []
+    results: List[SetParametersResult] = []
+    parameters._publish_changes = lambda: published.append("changes")
+    for why in ("", "must be above 0"):
+        parameters._parameters = SimpleNamespace(
+            change=lambda _, why=why: why, caution=lambda names: f"{names} may be read later"
+        )
+        results.append(parameters._change([value("name", "x")]))
+    assert [(one.successful, one.reason) for one in results] == [
+        (True, "['name'] may be read later"),
+        (False, "must be above 0"),
+    ]
+    assert published == ["changes"]
+    parameters._is_kind = lambda: True
+    assert "integers of 32 bits" in parameters._change([value("name", 2**40)]).reason
+
+
+def test_second_change_is_awaited_as_long_as_the_first(monkeypatch: "pytest.MonkeyPatch") -> None:
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    parameters._lock, parameters._is_reading = threading.Lock(), True
+    parameters._server, parameters._again = {"gain": 1}, True
+    reads: List[int] = []
+    parameters._publish_changes = lambda: reads.append(1) or {"gain": 2}
+
+    def sleep(_: float) -> None:
+        parameters._again = len(reads) == 2  # another change on the server
+
+    monkeypatch.setattr(parameter_services, "_MOST_READS", 3)
+    monkeypatch.setattr(parameter_services, "time", SimpleNamespace(sleep=sleep))
+    parameters._publish_until_in_force()
+    assert len(reads) == 2 + 3 and not parameters._is_reading
 
 
 def test_described_range_has_its_step() -> None:

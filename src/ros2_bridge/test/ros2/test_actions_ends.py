@@ -227,6 +227,22 @@ def test_answers_to_a_bounded_number_of_goals_are_awaited(
     assert forgotten == [0, 1]
 
 
+def test_goals_of_a_server_without_its_services_are_aborted() -> None:
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    served_by: List[Any] = []
+    server._is_offered, server._senders, server._lock = True, lambda: {b"leg"}, threading.Lock()
+    server._goals = SimpleNamespace(
+        is_any_under_way=lambda: True,
+        abort_goals=lambda senders, _: served_by.append(senders),
+        remove_old=lambda _: None,
+        end_timeouts=lambda _: SimpleNamespace(accepted=[], without_result=[]),
+    )
+    for is_ready in (True, False):
+        server._clients = [SimpleNamespace(is_ready=lambda is_ready=is_ready: is_ready)]
+        server.follow()
+    assert served_by == [{b"leg"}, set()]
+
+
 def test_action_with_failing_services_is_not_offered(ros: both.Both) -> None:
     long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
     node, participant = nodekit.Node(), Participant("/offering")

@@ -81,7 +81,7 @@ def test_goals_are_listed_five_times_a_second(ros: both.Both, client: Client) ->
     seconds = [int.from_bytes(m._buff[4:8], "little") for m in heard]
     times = [whole + 1e-9 * part for whole, part in zip(seconds, stamps)]
     # The median: after one that a busy machine has held up, the next one is due in less.
-    assert statistics.median(late - early for early, late in zip(times, times[1:])) > 0.1
+    assert 0.1 < statistics.median(late - early for early, late in zip(times, times[1:])) < 0.7
     recorder.end()
 
 

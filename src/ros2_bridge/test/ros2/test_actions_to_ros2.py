@@ -80,7 +80,9 @@ def test_single_goal_is_cancelled(ros: both.Both, client: Client2) -> None:
         assert client.accepted(key)
     answer = cancel(ros, "/arm/reach", client.handles["goes"])
     assert answer.return_code == CancelGoal.Response.ERROR_NONE
-    assert [one.goal_id for one in answer.goals_canceling] == [client.handles["goes"].goal_id]
+    (goal,) = answer.goals_canceling
+    handle = client.handles["goes"]
+    assert (goal.goal_id, goal.stamp) == (handle.goal_id, handle.stamp)
     assert client.end("goes") == Status.STATUS_CANCELED
     assert client.end("stays") == Status.STATUS_SUCCEEDED
     answer = cancel(ros, "/arm/reach", client.handles["goes"])

@@ -28,6 +28,7 @@ from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
 from test_topics import publisher1
 
+from nodekit import Throttle
 from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.environment.middleware import middleware
@@ -310,6 +311,29 @@ def test_poll_of_the_graphs_updates_each_part() -> None:
     assert loop._trouble == "" and loop._polled_at > 0.0
     reasons = [reason.partition(":")[0] for reason in loop._skip_log.current()]
     assert reasons == ["/a of ROS 1", "/free of ROS 1"]  # those of ROS 2 are of the first poll
+
+
+def test_graphs_are_polled_often_at_first_and_goals_followed_in_between(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    errors: List[str] = []
+    monkeypatch.setattr(rospy, "logerr", errors.append)
+    loop: Any = GraphLoop.__new__(GraphLoop)
+    calls: List[str] = []
+
+    def fail() -> None:
+        calls.append("topics")
+        raise RuntimeError("of one topic")
+
+    loop._node, loop._throttle = SimpleNamespace(is_up=True), Throttle(60.0)
+    loop._poll_graphs = partial(calls.append, "poll")
+    loop._topics = SimpleNamespace(follow_subscribers1=fail)
+    loop._actions = SimpleNamespace(follow=partial(calls.append, "goals"))
+    ends = iter([False] * 15 + [True])
+    loop._ended = SimpleNamespace(wait=lambda _: next(ends), is_set=lambda: False)
+    loop._run()
+    assert calls == [*["poll"] * 10, *["topics", "goals"] * 4, "poll"]
+    assert len(errors) == 1 and "of one topic" in errors[0]
 
 
 def test_failure_at_shutdown_does_not_stop_the_rest() -> None:

@@ -6,10 +6,13 @@ from typing import Any
 
 import both
 import genpy.dynamic
+import pytest
 import rospy
 from geometry_msgs.msg import TransformStamped
 from nodekit.testing.waiting import wait_until
 from visualization_msgs.msg import Marker, MarkerArray
+
+from ros2_bridge.nodes.bridge import read_rules
 
 
 def genpy_class(ros: both.Both, kind: str) -> Any:
@@ -117,3 +120,10 @@ def test_print_pairs_applies_the_rules_in_a_file(tmp_path: pathlib.Path) -> None
         assert command.error_lines[0].startswith("bridge: --print-pairs: ")
         assert why in " ".join(command.error_lines)
         assert not any("Traceback" in line for line in command.error_lines)
+
+
+def test_file_with_more_than_rules_is_refused(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "settings.yaml"
+    file.write_text("mappings: []\nallow: ['/arm/*']\n")
+    with pytest.raises(ValueError, match="must contain mappings, a list of rules, and nothing"):
+        read_rules(str(file))

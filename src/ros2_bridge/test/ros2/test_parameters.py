@@ -519,6 +519,9 @@ def test_rejected_values_are_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch
     told = "/motor/gain=3 (no; 1 stays), /motor/tau=-1 (no; 2 stays)"
     assert lines == [f"refused by ROS 2: {told}"]
     assert written == [{"/motor/gain": 1, "/motor/tau": 2}]
+    mirror._send = lambda *_: ""
+    mirror._send_changes({"gain": 3, "tau": 2})
+    assert mirror._values == {"gain": 3, "tau": 2} and len(written) == 1
 
 
 @pytest.mark.parametrize(

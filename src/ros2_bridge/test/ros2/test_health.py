@@ -235,14 +235,23 @@ def test_bridge_that_has_not_read_the_graphs_for_10_s_reports_an_error() -> None
     assert times == sorted(times) and times[0] > loop._polled_at  # of now, for the rates
 
 
-def test_diagnostics_have_their_name_in_ros2(ros: both.Both) -> None:
+def test_diagnostics_have_their_name_and_subscribers_in_ros2(ros: both.Both) -> None:
     names: List[str] = []
-    node: Any = SimpleNamespace(create_publisher=lambda *given: names.append(given[0]))
-    participant: Any = SimpleNamespace(
-        node=None, create_publisher=lambda *given: names.append(given[2])
-    )
-    diagnostics.Diagnostics(node, participant, ros.types, Renaming(["/=/lab"]))
-    assert names == ["/diagnostics", "/lab/diagnostics"]
+    heard = {"/diagnostics": 0, "/lab/diagnostics": 0}
+
+    def create(name: str) -> Any:
+        names.append(name)
+        return SimpleNamespace(
+            get_num_connections=lambda: heard[name], get_subscription_count=lambda: heard[name]
+        )
+
+    node: Any = SimpleNamespace(create_publisher=lambda *given: create(given[0]))
+    participant: Any = SimpleNamespace(node=None, create_publisher=lambda *given: create(given[2]))
+    made = diagnostics.Diagnostics(node, participant, ros.types, Renaming(["/=/lab"]))
+    assert names == list(heard) and not made.has_subscribers()
+    for name in names:
+        heard.update({"/diagnostics": 0, "/lab/diagnostics": 0, name: 1})
+        assert made.has_subscribers()
 
 
 def test_report_without_a_bridge_fails_with_the_reason(ros: both.Both) -> None:

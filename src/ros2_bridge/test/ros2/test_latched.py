@@ -232,7 +232,7 @@ def test_robot_description_has_its_name_in_ros2_unless_denied(ros: both.Both) ->
     description = RobotDescription(node, participant, ros.types, SkipLog())
     keep[0](ROBOT)
     rules, graph = Rules(True, True, ["*"], [], Renaming(["/=/lab"])), Ros1Graph({}, {}, {}, {}, 1)
-    for denied in ([DESCRIPTION], [], [DESCRIPTION]):
+    for denied in ([DESCRIPTION], [], [DESCRIPTION], [], [DESCRIPTION]):
         description.update(rules._replace(deny=denied), graph, {})
     description.update(rules._replace(to_ros2=False), graph, {})
-    assert (made, len(sent), len(ended)) == ([f"/lab{DESCRIPTION}"], 1, 1)
+    assert (made, len(sent), len(ended)) == ([f"/lab{DESCRIPTION}"] * 2, 2, 2)

@@ -7,6 +7,7 @@ from typing import Callable, Dict, List, Tuple
 import numpy
 import pytest
 from geometry_msgs.msg import PointStamped
+from rospy import Duration
 from test_one_clock import MS, NOW, TOPICS, received, stamped
 
 from topic_scope.analysis.ring import Samples
@@ -78,6 +79,16 @@ def test_chosen_clock_places_topics_of_one_machine_together() -> None:
     choose(made, "/b", "")
     assert apart(made) == [0.799] * 100
     assert trace.correction == "stamps 2.80 s behind: shown at reception"
+
+
+def test_contradicted_stamps_are_named_beside_the_chosen_clock() -> None:
+    sent = machine()
+    sent["/b"][60][1].header.stamp -= Duration(5)
+    made = received(sent, A, B)
+    choose(made, "/b", "/a")
+    trace = made.trace(B)
+    assert trace is not None
+    assert trace.correction == "by the clock of /a, shifted by 2.001 s; 1 stamp up to 5.00 s late"
 
 
 def test_choice_moves_the_samples_of_a_paused_view() -> None:

@@ -137,6 +137,20 @@ def test_late_message_does_not_move_other_csv_rows(late: float) -> None:
     assert trace.stream.correction == f"1 stamp up to {late:.2f} s late"
 
 
+def test_last_message_is_sent_to_pages_though_it_is_late() -> None:
+    stamps = [NOW + 20 * MS * index for index in range(100)]
+    sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    sent[-1][1].header.stamp -= Duration.from_sec(0.6)
+    seen, changes = [0.0], []
+
+    def look(made: Recorder) -> None:
+        changes.append(made.changed_since(seen[-1]))
+        seen.append(made.updated)
+
+    received({"/a": sent, "/b": []}, "/a/point/x", watch=look)
+    assert changes[-1] == pytest.approx(stamps[-1] / NS - 0.6, abs=1e-6)
+
+
 @pytest.mark.parametrize("ahead", [600.0, 300.0, 30.0])
 @pytest.mark.parametrize("name", ["/a/point/x", "/a/point/x@stamp"], ids=["chosen", "named"])
 def test_stamp_far_ahead_displaces_no_samples(ahead: float, name: str) -> None:
@@ -154,8 +168,12 @@ def test_stamp_far_ahead_displaces_no_samples(ahead: float, name: str) -> None:
 
 @pytest.mark.parametrize(
     "behind, reason",
-    [(0, None), (SIMULATION, "the stamps are of another clock: no latency")],
-    ids=["machine", "simulation"],
+    [
+        (0, None),
+        (SIMULATION, "the stamps are of another clock: no latency"),
+        (-8000 * NS, "the stamps are of another clock: no latency"),
+    ],
+    ids=["machine", "simulation", "ahead"],
 )
 def test_stamps_of_another_clock_have_no_latency(behind: int, reason: Optional[str]) -> None:
     whens = [NOW + 20 * MS * index for index in range(200)]

@@ -14,10 +14,11 @@ from std_msgs.msg import Float32
 from test_recorder import FakeSource, header, recording
 
 from basic_comms.msg import signal_msg
-from topic_scope.messages.message_layout import layout_of
+from topic_scope.messages.message_layout import layout_of, parse
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.sampling.traces import Stream
+from topic_scope.timing.nanoseconds import to_ns
 
 
 @pytest.mark.parametrize("own", [5.0, 1700000.0])
@@ -140,3 +141,61 @@ def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
     ends = sorted({stream.offset + end for end in nanoseconds((-1.0, *times, 5.0))})
     parts = [trace.rows(begin, end - 1)[1] for begin, end in zip(ends, ends[1:])]
     assert numpy.concatenate(parts).tolist() == list(range(len(times)))
+
+
+TIMED = parse("a/Timed", "float64 time_x\nfloat64 x")
+
+
+def timed(stream: Stream, first: int, values: List[float]) -> float:
+    """Add messages, 10 a second, with times since the start of their node."""
+    times = [first / 10 + index / 10 for index in range(len(values))]
+    received = nanoseconds(1.7e9 + time for time in times)
+    data = [struct.pack("<dd", 5.0 + time, value) for time, value in zip(times, values)]
+    return stream.add(TIMED, Batch({}, received, data))
+
+
+def test_type_without_stamps_continues_the_trace_of_another_clock() -> None:
+    stream = Stream("/a", "")
+    trace = stream.record(("x",), 100.0)
+    timed(stream, 0, [1.0] * 20)
+    before = trace.samples(0.0, 2e9)[0]
+    plain = Batch({}, nanoseconds([1.7e9 + 3.0]), [struct.pack("<d", 2.0)])
+    stream.add(parse("a/Plain", "float64 x"), plain)
+    times, values = trace.samples(0.0, 2e9)
+    there = numpy.isfinite(values)
+    assert times[there] == pytest.approx([*before, 1.7e9 + 3.0], abs=1e-5)
+
+
+def test_late_message_is_read_by_its_own_type_though_the_type_changes() -> None:
+    stream = Stream("/a", "")
+    trace = stream.record(("x",), 100.0)
+    timed(stream, 0, [1.0] * 20)
+    late = Batch({}, nanoseconds([1.7e9 + 2.0]), [struct.pack("<dd", 6.05, 3.0)])
+    assert stream.add(TIMED, late) == math.inf  # it waits for others
+    padded = Batch({}, nanoseconds([1.7e9 + 2.1]), [struct.pack("<ddd", 7.1, 9.0, 2.0)])
+    stream.add(parse("a/Padded", "float64 time_x\nfloat64 pad\nfloat64 x"), padded)
+    values = trace.samples(0.0, 2e9)[1].tolist()
+    assert values == [*[1.0] * 11, 3.0, *[1.0] * 9, 2.0]
+
+
+def test_earliest_of_disordered_stamps_is_reported() -> None:
+    stream = Stream("/a", "")
+    stream.record(("x",), 100.0)
+    timed(stream, 0, [1.0] * 20)
+    received = nanoseconds([1.7e9 + 2.0, 1.7e9 + 2.1])
+    data = [struct.pack("<dd", time, 1.0) for time in (7.0, 6.85)]
+    assert stream.add(TIMED, Batch({}, received, data)) == pytest.approx(1.7e9 + 1.85, abs=1e-6)
+
+
+def test_formulas_need_no_samples_from_before_a_gap() -> None:
+    stream = Stream("/a", "")
+    trace = stream.record(("x",), 10.0)
+    for first in range(0, 50, 10):
+        timed(stream, first, [1.0] * 10)
+    assert trace.whole_from == to_ns(-math.inf)
+    timed(stream, 90, [1.0])
+    for first in range(130, 180, 10):
+        timed(stream, first, [1.0] * 10)
+    # The first is alone in 4 s, more than five usual intervals.
+    assert trace.samples(0.0, 2e9)[0][:2] == pytest.approx([1.7e9 + 9.0, 1.7e9 + 13.0], abs=1e-5)
+    assert trace.whole_from == pytest.approx(to_ns(1.7e9 + 8.5), abs=10**6)

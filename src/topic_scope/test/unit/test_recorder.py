@@ -7,7 +7,7 @@ from typing import Collection, Dict, Iterator, List
 
 import numpy
 import pytest
-from bags import nanoseconds
+from bags import nanoseconds, serialized
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
@@ -105,6 +105,36 @@ def test_only_requested_fields_are_subscribed_and_recorded() -> None:
     assert values(made) == [1.0, 2.0]
     assert values(made, "/d/later") == [] and made.trace("/d/later") is None
     assert made.trace("/a/data").stream.topic == "/a"  # type: ignore[union-attr]
+    made.want(["/a/data@received"], source.time)  # it starts with the latest message
+    assert values(made, "/a/data@received") == [2.0]
+
+
+def test_latest_message_is_forgotten_with_its_subscription() -> None:
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0)
+    made.update()
+    made.want([], source.time + 11.0)
+    closed = source.topics.pop("/a")
+    made.update()
+    source.topics["/a"] = closed
+    made.want(["/a/data"], source.time + 12.0)
+    assert values(made) == []
+
+
+def test_fields_of_a_recorded_array_are_listed_as_it_grows() -> None:
+    source = FakeSource()
+    made = recording(source, "/b/data[0]")
+    for count in (1, 3):
+        data = [serialized(Float64MultiArray(data=[0.5] * count))]
+        batch = Batch(header(Float64MultiArray), nanoseconds([source.time]), data)
+        source.topics["/b"].batches.append(batch)
+        source.time += 1.0
+        made.update()
+        listed = [choice.field for choice in made.choices() if choice.topic == "/b"]
+        assert [name for name in listed if "data[" in name] == [
+            f"/b/data[{index}]" for index in range(count)
+        ]
 
 
 def test_a_type_that_changes_is_read_by_its_own_definition() -> None:
@@ -188,8 +218,37 @@ def test_fields_stay_requested_after_a_reset() -> None:
     before = made.update()
     assert values(made) == [3.0]
     source.send(Float32, 4.0)
-    made.update()
+    assert made.update() == made.updated == source.time
     assert made.changed_since(before) == before
+
+
+def test_formula_that_looks_ahead_is_sent_again_after_a_reset() -> None:
+    source = FakeSource()
+    made = recording(source, "=delay(/a/data, -2)")
+    for _ in range(5):
+        source.send(Float32, 1.0)
+        made.update()
+    made.forget()
+    source.time = 500.0
+    for _ in range(4):
+        source.send(Float32, 1.0)
+        before = made.update()
+    source.send(Float32, 1.0)
+    made.update()
+    assert made.changed_since(before) == 501.0  # known up to there before
+
+
+def test_page_that_has_missed_too_many_updates_gets_everything() -> None:
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    seen = made.update()
+    source.time += 1.0
+    made.update()
+    assert made.changed_since(seen) == seen
+    for _ in range(400):
+        source.time += 0.025
+        made.update()
+    assert made.changed_since(seen) == -math.inf
 
 
 def test_the_number_of_traces_is_limited() -> None:
@@ -306,9 +365,10 @@ def test_joints_of_two_publishers_have_whole_lines() -> None:
 def test_problems_of_fields_are_reported() -> None:
     source = FakeSource()
     names = ["/a/data", "/a/nothing", "/b/data[2]", "/b/data[3]", "/d/later", "/a/data.yaw"]
-    made, buffer = recording(source, *names), io.BytesIO()
-    Float64MultiArray(data=[1.0, 2.0, 3.0]).serialize(buffer)
-    batch = Batch(header(Float64MultiArray), nanoseconds([source.time]), [buffer.getvalue()])
+    made = recording(source, *names)
+    data = [serialized(Float64MultiArray(data=values)) for values in ([1.0], [1.0, 2.0, 3.0])]
+    times = nanoseconds([source.time, source.time + 0.1])
+    batch = Batch(header(Float64MultiArray), times, data)
     source.topics["/b"].batches.append(batch)
     made.update()
     assert {name: made.problem(name) for name in names} == {
@@ -332,6 +392,9 @@ def test_names_are_expanded_as_far_as_they_are_known() -> None:
     assert made.expand("/c/x") == ["/c/x"]
     choices = [choice.field for choice in made.choices()]
     assert choices[0] == "/a/data" and "/b/data[0]" in choices
+    made.set_topics({"/a": "dynamic_reconfigure/Config", **dict.fromkeys("bc", "std_msgs/Float32")})
+    listed = list(dict.fromkeys(choice.topic for choice in made.choices()))
+    assert listed == ["b", "c", "/a"]
 
 
 def test_arrays_of_removed_topics_are_dropped() -> None:
@@ -341,6 +404,7 @@ def test_arrays_of_removed_topics_are_dropped() -> None:
     made.update()
     made.set_topics({})
     assert list(made._arrays) == ["/a"]  # it is recorded, and may reappear
+    assert made.problem("/a/data") is None and values(made) == [1.0]
     made.want([], source.time + 100.0)
     made.set_topics({})
     assert not made._arrays

@@ -58,6 +58,31 @@ def test_a_laser_is_found_through_its_robot_and_the_map() -> None:
     assert frames.pose_of("elsewhere") == ("elsewhere", IDENTITY)
 
 
+def test_latest_of_two_topics_places_a_frame() -> None:
+    frames = Frames()
+    for topic, x in (("/tf", 1.0), ("/tf_static", 2.0), ("/tf", 3.0)):
+        frames.set_transform(topic, "map", "base", turned(0.0, x))
+    assert frames.pose_of("base").transform.position[0] == 3.0
+
+
+def test_first_odometry_by_name_places_its_robot() -> None:
+    frames = Frames()
+    for topic, x in (("/b", 1.0), ("/a", 2.0), ("/b", 3.0), ("/a", 4.0)):
+        frames.set_odometry(topic, "/odom", "/base", turned(0.0, x))
+    frames.set_odometry("/c", "odom", "", turned(0.0, 5.0))  # its robot has no frame
+    assert frames.pose_of("base") == ("odom", turned(0.0, 4.0))
+    assert frames.knows("/base") and not frames.knows("")
+
+
+def test_full_tree_still_updates_its_frames(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr("topic_scope.robots.frames._FRAMES", 1)
+    frames = Frames()
+    frames.set_transform("/tf", "map", "base", turned(0.0, 1.0))
+    frames.set_transform("/tf", "map", "arm", turned(0.0, 1.0))
+    frames.set_transform("/tf", "map", "base", turned(0.0, 2.0))
+    assert frames.pose_of("base").transform.position[0] == 2.0 and not frames.knows("arm")
+
+
 def test_odometry_is_used_without_transforms() -> None:
     frames = Frames()
     frames.set_odometry("/b/odom", "odom", "base", turned(0.0, 2.0))

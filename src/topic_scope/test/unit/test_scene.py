@@ -11,7 +11,9 @@ import rospy
 from geometry_msgs.msg import Point, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import LaserScan
+from bags import nanoseconds
 from test_message_reader import serialized
+from test_recorder import FakeSubscription, header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -22,6 +24,7 @@ from topic_scope.page.open_page import Page
 from topic_scope.robots import scene
 from topic_scope.robots.scene import Scene
 from topic_scope.robots.scene_feed import SceneFeed
+from topic_scope.sampling.message_source import Batch
 
 
 def turn(orientation: Any, angle: float) -> None:
@@ -86,6 +89,13 @@ def test_scan_is_placed_at_its_laser() -> None:
     receive(shown, "/tf", transforms("robot1/base", "robot1/laser", 0.5))
     assert as_json(shown.moving(0.0))["scans"][0]["at"][4:] == pytest.approx([1.0, 0.5], abs=1e-4)
     assert shown.moving(5.0)["scans"] == []
+    # The robot of another namespace does not carry it; an echo from 2000 km is invalid.
+    far = scan("lone/laser", 2e6, 1.0)
+    far.range_max = math.inf
+    receive(shown, "/lone/scan", far)
+    assert [one["topic"] for one in shown.moving(0.0)["scans"]] == ["/robot1/scan"]
+    receive(shown, "/lone/odom", odometry(0.0, 0.0, 0.0, "lone/odom"))
+    assert shown.moving(0.0)["scans"][0]["ranges"] == [0, 1000]
 
 
 def test_scan_is_thinned_out_and_an_invalid_scan_is_empty() -> None:
@@ -130,6 +140,14 @@ def test_marker_expires_after_its_lifetime() -> None:
     assert types(11.0) == ["disc"] == types(1e9)
 
 
+def test_full_topic_still_updates_its_markers(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr("topic_scope.robots.markers._MARKERS", 1)
+    shown = Scene()
+    for number, kind in ((1, Marker.CUBE), (2, Marker.CUBE), (1, Marker.SPHERE)):
+        receive(shown, "/world", Marker(id=number, type=kind))
+    assert [one["kind"] for one in shown.standing(0.0)["markers"]] == ["disc"]
+
+
 def test_frames_of_removed_topics_are_dropped() -> None:
     shown = Scene()
     topics = ["/a/odom", "/goal", "/tf", "/tf_static"]
@@ -170,12 +188,22 @@ def test_paths_and_goals() -> None:
     assert standing["paths"][0]["points"] == [0.0, 2.0, 0.0, 2.0]
 
 
+def test_long_path_is_shown_up_to_its_end(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(scene, "_POINTS", 2)
+    shown, poses = Scene(), [PoseStamped() for _ in range(3)]
+    for index, pose in enumerate(poses):
+        pose.pose.position.x = float(index)
+    receive(shown, "/plan", Path(poses=poses))
+    assert shown.standing(0.0)["paths"][0]["points"] == [1.0, 0.0, 2.0, 0.0]
+
+
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
 def test_status_is_recognised_by_its_fields() -> None:
     assert scene.is_status(parse("other_msgs/State", STATUS + "float32 more\n"))
-    for text in ("", STATUS.replace("[]", ""), STATUS.replace("string", "int8"), "uint8 mode\n"):
+    texts = STATUS.replace("float32[]", "string[]"), STATUS.replace("string", "int8")
+    for text in ("", STATUS.replace("[]", ""), *texts, "uint8 mode\n"):
         assert not scene.is_status(parse("a/RobotStatus", text))
     assert not scene.is_status(None)
 
@@ -189,6 +217,8 @@ def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
     first, second = as_json(shown.fleet(0.5))["robots"]
     assert first == {"topic": "/b", "name": "al", "mode": 1, "readings": [11.1, None], "age": None}
     assert second["name"] == "zoe" and shown.fleet(3.25)["robots"][0]["age"] == 3.2
+    shown.keep({"/a": "x/RobotStatus"})
+    assert [one["name"] for one in shown.fleet(0.5)["robots"]] == ["zoe"]
 
 
 def test_message_with_wrong_fields_is_rejected() -> None:
@@ -207,3 +237,61 @@ def test_page_that_enters_after_the_last_one_left_gets_no_outdated_scene() -> No
     feed.leave(first)
     feed.enter(later)
     assert later.pop_messages() == []
+    source.subscriptions.reset_mock()
+    feed.leave(later)
+    feed.update()  # nothing to do without pages
+    source.subscriptions.assert_not_called()
+
+
+class Fed:
+    """Feed of a scene, and a page that shows it."""
+
+    def __init__(self) -> None:
+        self.topics: Dict[str, FakeSubscription] = {}
+        self.source = mock.Mock(**{"clock.now.return_value": 1.0})
+        self.source.subscriptions.return_value = self.topics
+        self.feed, self.page = SceneFeed(self.source, Layouts()), Page(5.0)
+        self.feed.enter(self.page)
+
+    def receive(self, topic: str, *messages: Any) -> None:
+        data = [serialized(message) for message in messages]
+        subscription = self.topics.setdefault(topic, FakeSubscription())
+        batch = Batch(header(type(messages[0])), nanoseconds([1.0] * len(data)), data)
+        subscription.batches.append(batch)
+
+    def shown(self) -> Dict[str, Any]:
+        """Return the messages of the next updates, by type."""
+        for _ in range(5):
+            self.feed.update()
+        return {message["type"]: message for message in self.page.pop_messages()}
+
+
+def test_feed_shows_all_markers_of_a_batch_and_the_latest_pose() -> None:
+    fed = Fed()
+    fed.feed.set_topics({"/w": Marker._type, "/odom": Odometry._type, "/x": "std_msgs/Float32"})
+    fed.source.want.assert_called_once_with(["/w", "/odom"])
+    fed.receive("/w", Marker(id=1), Marker(id=2))
+    fed.receive("/odom", odometry(1.0, 0.0, 0.0), odometry(2.0, 0.0, 0.0))
+    fed.receive("/late", odometry(3.0, 0.0, 0.0))  # no longer requested
+    shown = fed.shown()
+    assert [robot["x"] for robot in shown["robots"]["robots"]] == [2.0]
+    assert len(shown["scenery"]["markers"]) == 2 and shown["fleet"]["robots"] == []
+    second = Page(5.0)
+    fed.feed.enter(second)  # while the other shows it
+    assert {one["type"] for one in second.pop_messages()} == {"robots", "scenery", "fleet"}
+
+
+def test_feed_drops_removed_topics_and_the_past_of_another_time() -> None:
+    fed = Fed()
+    both = {"/odom": Odometry._type, "/b/odom": Odometry._type}
+    fed.feed.set_topics(both)
+    for topic in both:
+        fed.receive(topic, odometry(1.0, 0.0, 0.0))
+    assert len(fed.shown()["robots"]["robots"]) == 2
+    fed.feed.set_topics({"/odom": Odometry._type})
+    assert [one["topic"] for one in fed.shown()["robots"]["robots"]] == ["/odom"]
+    fed.feed.forget()
+    assert fed.shown()["robots"]["robots"] == []
+    fed.feed.leave(fed.page)
+    fed.feed.set_topics(both)
+    assert fed.source.want.call_args[0] == ([],)

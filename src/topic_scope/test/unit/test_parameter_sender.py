@@ -134,6 +134,7 @@ def test_value_out_of_range_is_not_sent(world: World) -> None:
     assert world.sent == [] and world.reply == []
     refused, value = world.answers
     assert refused["type"] == "refused" and "[-100, 100]" in refused["text"]
+    assert not refused["kept"]
     assert (value["type"], value["value"]) == ("value", 0.0)
 
 
@@ -141,6 +142,7 @@ def test_value_rejected_by_the_node_is_reported_with_its_reason(world: World) ->
     world.set("low", 50)
     (text,) = world.errors()
     assert "low <= high" in text
+    assert world.answers[0]["kept"]  # it is sent again with the next change
     assert world.answers[-1] == {"type": "value", "node": NODE, "name": "low", "value": 0.0}
 
 
@@ -174,6 +176,17 @@ def test_newer_value_replaces_a_rejected_one(world: World) -> None:
     world.set("low", 50)
     world.set("low", 5)
     world.set("high", 60)  # with it, the node would accept the rejected value, too
+    assert (world.node.values.low, world.node.values.high) == (5.0, 60.0)
+
+
+def test_value_that_is_set_meanwhile_replaces_the_one_that_is_being_rejected(
+    world: World,
+) -> None:
+    world.ask("low", 50)
+    world.ask("low", 5)
+    world.work()
+    assert world.errors() == []
+    world.set("high", 60)
     assert (world.node.values.low, world.node.values.high) == (5.0, 60.0)
 
 

@@ -111,6 +111,7 @@ class ParameterSender:
         return answer
 
     def _on_answer(self, node: str, asked: Mapping[str, ChangeRequest], result: Any) -> None:
+        newer = set(self._waiting.get(node, {}))
         self._send(node)
         if isinstance(result, Exception):
             result = ChangeReply(False, f"{node} does not answer: {result}", {})
@@ -123,7 +124,7 @@ class ParameterSender:
                 del rejected[name]
             return
         for name, ask in asked.items():
-            if name not in self._waiting.get(node, {}):
+            if name not in newer:
                 rejected[name] = to_wire(ask.value)
                 _refuse(panel, name, ask.value, result.message, ask.answer, kept=True)
 

@@ -1,6 +1,7 @@
 """Robots and the pages that drive them; nodes, publishers and threads are fakes."""
 
 import math
+from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 from unittest import mock
 
@@ -48,7 +49,8 @@ class World:
         self.queries.subscribed_type.return_value = FakeSession.datatype
         monkeypatch.setattr(driving, "NodeQueries", lambda _name: self.queries)
         monkeypatch.setattr(driving, "DriveSession", self.session)
-        monkeypatch.setattr(driving.time, "sleep", self.naps.append)
+        clock = SimpleNamespace(sleep=self.naps.append, monotonic=lambda: 0.0)
+        monkeypatch.setattr(driving, "time", clock)
         monkeypatch.setattr(rospy, "Publisher", self.publisher)
         monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(12))
         node = mock.Mock()

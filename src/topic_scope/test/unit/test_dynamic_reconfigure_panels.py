@@ -1,9 +1,12 @@
 """Panels of dynamic_reconfigure servers."""
 
+from unittest import mock
+
 import pytest
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
 from nodekit import ParameterError
+from topic_scope.controls import dynamic_reconfigure_panels
 from topic_scope.controls.panel import ParameterPanel
 from topic_scope.controls.dynamic_reconfigure_panels import _words, config_of, described, values_in
 
@@ -53,6 +56,29 @@ def test_values_are_validated_before_they_are_sent() -> None:
 
 def test_values_are_transferred_unchanged() -> None:
     assert values_in(config_of(VALUES)) == VALUES
+
+
+def test_described_parameter_without_a_value_is_left_out() -> None:
+    known = {name: value for name, value in VALUES.items() if name != "gain"}
+    assert [one["name"] for one in described(description(), config_of(known))] == [
+        "count",
+        "on",
+        "mode",
+    ]
+
+
+def test_reply_to_a_change_names_the_values_that_the_node_chose(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    reply = mock.Mock()
+    reply.result.return_value.config = config_of({**VALUES, "gain": 10.0})
+    call = mock.Mock(return_value=reply)
+    monkeypatch.setattr(dynamic_reconfigure_panels, "call_service", call)
+    changed = dynamic_reconfigure_panels.change("/foreign", {"gain": 12.0, "count": -7})
+    assert call.call_args[0][0] == "/foreign/set_parameters"
+    assert values_in(call.call_args[0][2]) == {"gain": 12.0, "count": -7}
+    assert changed == (False, "/foreign changed it to gain = 10.0", {"gain": 10.0, "count": -7})
+    assert dynamic_reconfigure_panels.change("/foreign", {"count": -7}).success
 
 
 @pytest.mark.parametrize("text", ["", "x", "{}", "[1]", "{'enum': 3}", "__import__('os')", "((((("])

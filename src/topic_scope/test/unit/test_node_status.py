@@ -22,7 +22,11 @@ def test_status_topics_have_one_publisher_and_a_status_name() -> None:
     types = {topic: "std_msgs/String" for topic, _ in publishers}
     types["/c/status"] = "std_msgs/Float32"
     nodes = ["/a", "/b", "/c", "/d", "/e"]
-    assert topics_of(nodes, publishers, types) == {"/a": "/a/status", "/b": "/b/motor_state"}
+    found = {"/a": "/a/status", "/b": "/b/motor_state"}
+    assert topics_of(nodes, publishers, types) == found
+    second = ("/a/state", ["/a"])
+    types["/a/state"] = "std_msgs/String"
+    assert topics_of(nodes, [*publishers, second], types) == {**found, "/a": "/a/state"}
 
 
 class FakeSubscriptions:
@@ -54,7 +58,7 @@ def test_pages_receive_only_changes() -> None:
     statuses = NodeStatuses(source, mock.Mock(), send)  # type: ignore[arg-type]
     statuses.follow({"/a": "/a/status"})
     assert source.wanted == {"/a/status"}
-    for texts in (["running well"], ["idle", "running"], ["idle"], [""], []):
+    for texts in (["running well"], ["idle", "running"], ["running", "idle"], [""], []):
         if texts:
             source.receive(*texts)
         statuses.update()
@@ -62,5 +66,9 @@ def test_pages_receive_only_changes() -> None:
     assert statuses_sent == ["running", "idle", ""]
     source.receive("later", kind="Float32")
     statuses.update()
-    statuses.follow({})
+    source.receive("starting")
+    source.receive("stopped")  # by another connection
+    statuses.update()
+    assert send.call_args_list.pop()[0][0]["nodes"] == {"/a": "stopped"}
+    statuses.follow({"/a": "/a/motor_status"})  # another topic: its status is not known yet
     assert [call[0][0]["nodes"] for call in send.call_args_list[3:]] == [{}]

@@ -2,15 +2,21 @@
 
 import asyncio
 import json
+from pathlib import Path
 from typing import Any, Dict, Iterator, List
 from unittest import mock
 
 import pytest
+from bags import write_bag
+from std_msgs.msg import Float64
 
+from topic_scope.bag.overlay import BagOverlay
 from topic_scope.messages.layout_cache import Layouts
+from topic_scope.page.open_page import Page
 from topic_scope.protocol import options, requests
 from topic_scope.protocol.requests import Handler
 from topic_scope.sampling.recorder import Recorder
+from topic_scope.web.field_selection import FieldSelection
 from topic_scope.web.scope_session import ScopeSession
 from topic_scope.web.http_server import master_message
 
@@ -25,7 +31,7 @@ class DataSource:
         self.source = mock.Mock(**values)
         self.layouts = Layouts()
         self.begin = 1.7e9
-        self.start = self.refresh = self.leave = mock.Mock()
+        self.start, self.refresh, self.leave = mock.Mock(), mock.Mock(), mock.Mock()
         self.read_again = None
 
     def hello(self) -> Dict[str, Any]:
@@ -56,13 +62,29 @@ def source() -> DataSource:
     return DataSource()
 
 
-@pytest.fixture
-def session(source: DataSource) -> Iterator[ScopeSession]:
-    loop = asyncio.new_event_loop()
-    asyncio.set_event_loop(loop)
-    yield ScopeSession(options.parse([]), source)  # type: ignore[arg-type]
+@pytest.fixture(autouse=True)
+def loop() -> Iterator[None]:
+    made = asyncio.new_event_loop()
+    asyncio.set_event_loop(made)
+    yield
     asyncio.set_event_loop(None)
-    loop.close()
+    made.close()
+
+
+def session_of(source: DataSource, *arguments: str, bags: Any = ()) -> ScopeSession:
+    return ScopeSession(options.parse(arguments), source, bags)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def session(source: DataSource) -> ScopeSession:
+    return session_of(source)
+
+
+def sent_to(session: ScopeSession, socket: PageSocket) -> Dict[str, Any]:
+    """Return the latest messages to a page, by type, and forget them."""
+    session.frames.send()
+    sent, socket.sent[:] = list(socket.sent), []
+    return {message["type"]: message for message in sent}
 
 
 def test_page_before_first_topics_gets_master_state_only(session: ScopeSession) -> None:
@@ -99,7 +121,109 @@ def test_hello_message_has_protocol_version(session: ScopeSession) -> None:
     session.on_topics({})
     socket = PageSocket(session)
     session.frames.send()
-    assert (socket.sent[0]["type"], socket.sent[0]["protocol"]) == ("hello", requests.VERSION)
+    hello = socket.sent[0]
+    assert (hello["type"], hello["protocol"]) == ("hello", requests.VERSION)
+    assert (hello["history"], hello["defaults"]) == (60.0, {"window": 10.0})
+
+
+def test_changes_of_topics_are_sent_to_the_pages_that_they_concern(source: DataSource) -> None:
+    session = session_of(source, "/a")
+    session.on_topics({})
+    default, chosen = PageSocket(session), PageSocket(session)
+    session.handle(chosen.page, json.dumps({"type": "select", "fields": ["/b/x"]}))
+    session.handle(chosen.page, json.dumps({"type": "images", "topic": "/camera"}))
+    for socket in (default, chosen):
+        assert {"hello", "fields"} <= set(sent_to(session, socket))
+    types = {"/a": "geometry_msgs/Vector3", "/camera": "sensor_msgs/Image"}
+    session.on_topics(types)
+    seen = sent_to(session, default)
+    assert seen["hello"]["fields"] == list(seen["frame"]["traces"]) == ["/a/x", "/a/y", "/a/z"]
+    assert seen["fields"]["types"] == types
+    seen = sent_to(session, chosen)
+    assert "fields" in seen and not {"hello", "selected"} & set(seen)
+    assert sorted(source.source.want.call_args[0][0]) == ["/a", "/camera"]
+    session.on_topics(types)
+    assert not {"hello", "fields", "selected"} & set(sent_to(session, default))
+
+
+def test_traces_beyond_those_of_a_page_are_left_out_and_reported(source: DataSource) -> None:
+    names = [f"/a{number}" for number in range(20)]
+    session = session_of(source, *names)
+    session.on_topics(dict.fromkeys(names, "geometry_msgs/Vector3"))
+    socket = PageSocket(session)
+    text = "a page shows at most 32 traces: the rest of 60 are left out"
+    seen = sent_to(session, socket)
+    assert seen["error"]["text"] == text and len(seen["hello"]["fields"]) == 32
+    session.handle(socket.page, json.dumps({"type": "select", "fields": names}))
+    seen = sent_to(session, socket)
+    assert seen["error"]["text"] == text and len(seen["selected"]["fields"]) == 32
+
+
+def test_unknown_field_is_selected_with_its_problem(session: ScopeSession) -> None:
+    session.on_topics({"/a": "geometry_msgs/Vector3"})
+    socket = PageSocket(session)
+    session.handle(socket.page, json.dumps({"type": "select", "fields": ["/a/w", "/a"]}))
+    seen = sent_to(session, socket)
+    assert seen["selected"]["fields"] == ["/a/w", "/a/x", "/a/y", "/a/z"]
+    assert seen["error"]["text"] == "/a/w: there is no w in geometry_msgs/Vector3"
+
+
+def test_no_frames_are_sent_while_the_clock_jumps(session: ScopeSession) -> None:
+    session.on_topics({})
+    socket = PageSocket(session)
+    with mock.patch.object(Recorder, "forget") as forget:
+        session.halt()
+    forget.assert_called_once_with()
+    session.on_topics({})
+    assert "frame" not in sent_to(session, socket)
+    with mock.patch.object(Recorder, "pin") as pin:
+        session.resume()
+        pin.assert_called_once_with({})
+    assert sent_to(session, socket)["frame"]["reset"]
+
+
+def test_moved_bag_is_sent_to_all_pages(source: DataSource, tmp_path: Path) -> None:
+    bag = BagOverlay(write_bag(tmp_path / "old.bag", [("/a", Float64(1.0), 0)]), "old")
+    session = session_of(source, bags=[bag])
+    session.on_topics({})
+    moving, other = PageSocket(session), PageSocket(session)
+    sent_to(session, other)
+    session.handle(moving.page, json.dumps({"type": "overlay", "name": "old", "offset": 2.0}))
+    seen = sent_to(session, other)
+    assert seen["overlays"]["bags"][0]["offset"] == 2.0 and seen["frame"]["reset"]
+
+
+def test_request_for_fields_is_passed_on_at_once(
+    source: DataSource, session: ScopeSession
+) -> None:
+    session.on_topics({"/a": "geometry_msgs/Vector3", "/b": "geometry_msgs/Vector3"})
+    page = PageSocket(session).page
+    mask = {"type": "mask", "field": "/a/x", "reference": "/b/x", "value": 1.0, "time": 0.0}
+    for request, topics in (({"type": "select", "fields": ["/a/x"]}, {"/a"}), (mask, {"/a", "/b"})):
+        source.refresh.reset_mock()
+        session.handle(page, json.dumps(request))
+        source.refresh.assert_called_once_with()
+        assert set(source.source.want.call_args[0][0]) == topics
+
+
+def test_typed_formula_is_answered_with_its_problem(session: ScopeSession) -> None:
+    session.on_topics({})
+    socket = PageSocket(session)
+    request = {"type": "formula", "text": "=a+1", "traces": ["/later/x"]}
+    session.handle(socket.page, json.dumps(request))
+    reply = sent_to(session, socket)["formula"]
+    assert (reply["text"], reply["name"]) == ("=a+1", "=/later/x + 1")
+    assert reply["problem"] == "/later/x: the topic does not exist yet"
+
+
+def test_chosen_clock_moves_what_a_paused_page_keeps() -> None:
+    recorder, page = mock.Mock(), Page(5.0)
+    page.view.select(["/b/x"])
+    page.view.show(requests.View(5.0, 100, 1e9))
+    selection = FieldSelection([], recorder, mock.Mock(), lambda: [page])
+    selection.choose_clock("/b", "/a")
+    recorder.streams.choose_clock.assert_called_once_with("/b", "/a")
+    recorder.pin.assert_called_once_with({"/b/x": (1e9 - 5.0, 1e9 + 1.0)})
 
 
 def test_request_is_handled_or_rejected_with_a_reason(session: ScopeSession) -> None:
@@ -123,6 +247,7 @@ def test_images_are_requested_until_their_last_page_closes(
     assert source.source.want.call_args == mock.call(["/camera"], True)
     session.close(socket)  # type: ignore[arg-type]
     assert source.source.want.call_args == mock.call([], False)
+    source.leave.assert_called_once_with(socket.page)
 
 
 def test_samples_of_a_paused_page_are_kept_until_it_closes(session: ScopeSession) -> None:
@@ -140,16 +265,9 @@ def test_missing_field_of_command_line_is_logged(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr("topic_scope.web.scope_session.WARN_AFTER_S", 0.0)
-    loop = asyncio.new_event_loop()
-    asyncio.set_event_loop(loop)
-    try:
-        session = ScopeSession(options.parse(["/later/x"]), DataSource())  # type: ignore[arg-type]
-        session.on_topics({})
-        with mock.patch("rospy.logwarn") as log:
-            loop.run_until_complete(asyncio.sleep(0.01))
-    finally:
-        asyncio.set_event_loop(None)
-        loop.close()
+    session_of(DataSource(), "/later/x").on_topics({})
+    with mock.patch("rospy.logwarn") as log:
+        asyncio.get_event_loop().run_until_complete(asyncio.sleep(0.01))
     log.assert_called_once_with("/later/x: the topic does not exist yet")
 
 
@@ -169,12 +287,15 @@ def test_statistics_period_is_longer_than_frame_period(
     session.on_topics({})
     page = PageSocket(session).page
     page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
+    page.watch = mock.Mock()  # type: ignore[method-assign]
+    page.took = mock.Mock()  # type: ignore[method-assign]
     clock = mock.Mock(**{"thread_time.return_value": 0.0})
     monkeypatch.setattr("topic_scope.web.frame_sender.time", clock)
     for moment in (100.0, 100.1, 100.3, 100.4, 100.5):
         clock.monotonic.return_value = moment
         session.frames.send()
     assert [call[0][2] for call in page.frame.call_args_list] == [True, False, False, True, False]
+    assert page.watch.call_count == 5 and page.took.call_args == mock.call(100.5, 100.5)
 
 
 @pytest.mark.parametrize("why", ["busy", "resting"])

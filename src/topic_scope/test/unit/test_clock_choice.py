@@ -12,8 +12,12 @@ from test_one_clock import MS, NOW, TOPICS, received, stamped
 
 from topic_scope.analysis.ring import Samples
 from topic_scope.messages.fields import FieldError
+from topic_scope.page.frequency_backoff import FrequencyBackoff
+from topic_scope.page.statistics_table import statistics_of
+from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.clock_request import ClockRequest, clock_request_of
+from topic_scope.protocol.requests import Measure, View
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS
 
@@ -76,6 +80,10 @@ def test_chosen_clock_places_topics_of_one_machine_together() -> None:
     trace = made.trace(B)
     assert trace is not None
     assert trace.correction == "by the clock of /a, shifted by 2.001 s"
+    view = LiveView(View(20.0, 100, None))
+    view.select([A, B])
+    table = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), made.updated)
+    assert [table["traces"][name]["clock"] for name in (A, B)] == [None, "/a"]
     choose(made, "/b", "")
     assert apart(made) == [0.799] * 100
     assert trace.correction == "stamps 2.80 s behind: shown at reception"

@@ -19,6 +19,10 @@ from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.csv_export import parts
+from topic_scope.page.frequency_backoff import FrequencyBackoff
+from topic_scope.page.statistics_table import statistics_of
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.requests import Measure, View
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.sampling.traces import Trace
@@ -181,6 +185,36 @@ def test_stamps_of_another_clock_have_no_latency(behind: int, reason: Optional[s
     trace = received({"/a": sent, "/b": sent}, "/a/point/x").trace("/a/point/x")
     assert isinstance(trace, Trace) and trace.stream.no_latency == reason
     assert set(trace.latency(0.0, 1e10).round(6)) == (set() if reason else {0.005})
+
+
+def test_table_has_latencies_or_the_reason_why_not() -> None:
+    whens = [NOW + 20 * MS * index for index in range(200)]
+    sent = {
+        "/a": [
+            (when, stamped(when - (5 + 10 * (n == 150)) * MS, 1.0)) for n, when in enumerate(whens)
+        ],
+        "/b": [(when, stamped(when - SIMULATION, 1.0)) for when in whens],
+    }
+    made, view = received(sent, *TOPIC_FIELDS), LiveView(View(20.0, 100, None))
+    view.select(TOPIC_FIELDS)
+    wanted, backoff = Measure(latency=True, shapes=True), FrequencyBackoff()
+    table = statistics_of(made, made.samples, view, wanted, backoff, made.updated)["traces"]
+    one, other = (table[name] for name in TOPIC_FIELDS)
+    assert one["latency"] == pytest.approx(0.005, abs=1e-6)
+    assert one["latency_max"] == pytest.approx(0.015, abs=1e-6)
+    assert other["unmeasurable"]["latency"] == "the stamps are of another clock: no latency"
+    assert one["frequency"] is None and "frequency" not in one["uncertainty"]
+
+
+def test_csv_begins_at_its_start() -> None:
+    sent = [(NOW, stamped(NOW, 1.0)), (NOW + MS, stamped(NOW + MS, 2.0))]
+    made = received({"/a": sent, "/b": sent}, "/a/point/x")
+
+    async def text() -> str:
+        start = (NOW + 500) / NS
+        return "".join([part async for part in parts(made, ["/a/point/x"], start, 1e10)])
+
+    assert [line.split(",")[2] for line in asyncio.run(text()).splitlines()[1:]] == ["2.0"]
 
 
 def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:

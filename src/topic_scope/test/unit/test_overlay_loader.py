@@ -8,6 +8,7 @@ import pytest
 from bags import write_bag
 from std_msgs.msg import Float64
 
+from nodekit.testing.waiting import wait_until
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import TriggerWatch
@@ -113,10 +114,11 @@ def test_bag_is_aligned_at_its_first_crossing(
 ) -> None:
     bench.trigger(**changes)
     bench.page.scaling = Scaling({"/x/data": scale})
+    bench.bag.offset = 2.0  # it stays, from the aligned position
     bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
     bench.finish()
-    assert bench.errors() == []
-    assert bench.bag.place + crossing == pytest.approx(300.0)
+    assert bench.errors() == [] and bench.changes == 2
+    assert (bench.bag.begin + crossing, bench.bag.offset) == (pytest.approx(300.0), 2.0)
 
 
 @pytest.mark.parametrize("field", ["/x/data", "=/x/data * 1"])
@@ -128,6 +130,17 @@ def test_after_a_gap_the_bag_is_aligned_where_the_line_continues(
     bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
     bench.finish()
     assert bench.bag.place + 1.0 == pytest.approx(300.0)
+
+
+def test_bag_is_aligned_while_its_traces_are_read(bench: Bench) -> None:
+    trace = bench.bag.trace("/old/x", ("data",), "", "")
+    bench.trigger()
+    bench.overlays.read_wanted()
+    bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    wait_until(lambda: len(bench._work) == 2, lambda: "the bag is not read twice")
+    for work in bench._work:
+        work()
+    assert trace.problem is None and bench.bag.begin == pytest.approx(299.5)
 
 
 def test_failed_alignment_is_reported_by_name(bench: Bench) -> None:

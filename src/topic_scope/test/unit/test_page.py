@@ -3,13 +3,16 @@
 import math
 from typing import Any, Dict, Tuple
 
+import numpy
 import pytest
 from test_differences import TimedSource, recording
 
+from topic_scope.masks.mask_check import Mask, MaskCheck
 from topic_scope.page import charts
 from topic_scope.page.open_page import Page
+from topic_scope.page.trigger import TriggerWatch
 from topic_scope.page.view import LATE_S, LiveView, pinned
-from topic_scope.protocol.requests import Chart, Measure, View
+from topic_scope.protocol.requests import Chart, Measure, Trigger, View
 from topic_scope.protocol.scaling import Scaling, TraceScale
 
 
@@ -25,6 +28,9 @@ def test_newer_message_replaces_an_unread_one() -> None:
         {"type": "stats", "index": 999},
     ]
     assert page.pop_messages() == []
+    for kind in ("selected", "hello", "selected"):  # in the order of the newest of each
+        page.put({"type": kind})
+    assert [message["type"] for message in page.pop_messages()] == ["hello", "selected"]
 
 
 def test_one_time_messages_come_first_and_are_limited() -> None:
@@ -103,7 +109,7 @@ def test_paused_page_keeps_plot_and_figures_consistent(
     reply: Dict[str, Dict[str, Any]] = {}
     source, page = TimedSource(), Page(2.0)
     made = recording(source, name)
-    page.view.select([name])
+    page.view.select([name, "/a/data"])
     page.set_chart(Chart("xy", "/a/data"))
     for index in range(100):
         source.receive("/a", [source.time], [float(index)])
@@ -123,7 +129,7 @@ def test_paused_page_keeps_plot_and_figures_consistent(
     figures = reply["stats"]["traces"][name]
     assert (figures["min"], figures["max"]) == (highest[0], highest[-1])
     assert [shown[1016 + second] for second in range(5)] == highest
-    assert reply["xy"]["traces"][name] == [[16.0, 17.0, 18.0, 19.0, 20.0], highest]
+    assert reply["xy"]["traces"] == {name: [[16.0, 17.0, 18.0, 19.0, 20.0], highest]}
 
 
 def test_samples_of_all_paused_pages_are_kept() -> None:
@@ -132,3 +138,60 @@ def test_samples_of_all_paused_pages_are_kept() -> None:
         view.select(["/a/data"])
     for order in (views, views[::-1]):
         assert pinned(order) == {"/a/data": (995.0, 1001.0 + LATE_S)}
+
+
+def test_paused_page_keeps_what_it_has_shown_until_it_moves_on() -> None:
+    view = LiveView(View(5.0, 100, 1000.0))
+    view.show(View(2.0, 100, 990.0))
+    assert view.pinned == (988.0, 1000.0 + LATE_S)
+    view.show(View(2.0, 100, None))
+    assert view.pinned is None
+
+
+def test_jump_of_the_clock_restarts_trigger_and_mask() -> None:
+    page = Page(5.0)
+    page.trigger = trigger = TriggerWatch(Trigger("single", "/a/data", 0.0, True, 7), 0.0)
+    page.mask = mask = MaskCheck(Mask("/a/data", "/b/data", 1.0, 0.0), 0.0)
+    page.restart(1000.0)
+    assert page.trigger is not trigger and page.trigger.request == trigger.request
+    assert page.mask is not mask and page.mask.mask == mask.mask
+
+
+def test_changed_samples_are_sent_again_at_once() -> None:
+    source, page = TimedSource(), Page(5.0)
+    made = recording(source, "/a/data", "/b/data")
+    page.view.select(["/a/data"])
+    page.set_chart(Chart("xy", "/b/data"))
+    for name in ("/a", "/b"):
+        source.receive(name, [source.time, source.time + 0.1], [1.0, 2.0])
+    source.time += 1.0
+    now = made.update()
+    for change in (lambda: None, lambda: page.scale(Scaling({"/a/data": TraceScale(steps=True)}))):
+        change()
+        reply = {one["type"]: one for one in page.frame(made, now, False)}
+        assert reply["frame"]["reset"] and reply["xy"]["traces"] == {"/a/data": [[1, 2], [1, 2]]}
+    assert list(reply["frame"]["lasts"]) == ["/a/data"]  # drawn in steps
+
+
+def test_chart_interpolates_its_slow_horizontal_trace_and_follows_the_selection(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(charts, "CHART_S", 0.0)
+    times = {"/x": numpy.arange(1000.0, 1011.0), "/y": numpy.arange(1000.0, 1010.0, 0.25)}
+    times["/z"] = times["/y"]
+    view = LiveView(View(10.0, 100, 1010.0))
+    view.select(["/y"])
+    feed = charts.ChartFeed(Chart("xy", "/x"))
+
+    def update() -> Any:
+        return feed.update(
+            1010.0,
+            lambda name, *_: (times[name], times[name] - 1000.0),
+            {"/x": 5.0, "/y": 0.5, "/z": 0.5}.__getitem__,
+            view,
+        )
+
+    assert update()["traces"]["/y"][0] == [0.25 * index for index in range(40)]
+    assert update() is None
+    view.select(["/y", "/z"])
+    assert list(update()["traces"]) == ["/y", "/z"]

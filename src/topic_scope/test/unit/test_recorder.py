@@ -1,5 +1,6 @@
 """Recorded samples and their lifetime, with a fake message source."""
 
+import asyncio
 import io
 import math
 import struct
@@ -12,6 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
 from topic_scope.messages.layout_cache import Layouts
+from topic_scope.page.csv_export import parts
 from topic_scope.sampling import recorder
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
@@ -204,6 +206,17 @@ def test_late_sample_changes_earlier_values_of_a_formula_that_looks_ahead() -> N
     source.time += 0.1
     made.update()
     assert made.changed_since(seen) == pytest.approx(1003.5)
+
+
+def test_csv_has_what_has_arrived_until_now() -> None:
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    source.send(Float32, 1.0)
+
+    async def text() -> str:
+        return "".join([part async for part in parts(made, ["/a/data"], 0.0, 1e9)])
+
+    assert asyncio.run(text()).splitlines()[1:] == ["1000.000000000,1000.000000000,1.0"]
 
 
 def test_fields_stay_requested_after_a_reset() -> None:

@@ -193,9 +193,7 @@ def test_moved_bag_is_sent_to_all_pages(source: DataSource, tmp_path: Path) -> N
     assert seen["overlays"]["bags"][0]["offset"] == 2.0 and seen["frame"]["reset"]
 
 
-def test_request_for_fields_is_passed_on_at_once(
-    source: DataSource, session: ScopeSession
-) -> None:
+def test_request_for_fields_is_passed_on_at_once(source: DataSource, session: ScopeSession) -> None:
     session.on_topics({"/a": "geometry_msgs/Vector3", "/b": "geometry_msgs/Vector3"})
     page = PageSocket(session).page
     mask = {"type": "mask", "field": "/a/x", "reference": "/b/x", "value": 1.0, "time": 0.0}

@@ -205,6 +205,13 @@ def test_text_is_recorded_as_a_state() -> None:
     }
     later = states(made, MODE, source.time, 1.5)
     assert later["spans"][0][:2] == [1002.0, 1003.0] and not later["earlier"]
+    send(source, made, String("park"))
+    latest = states(made, MODE, source.time, 0.5)
+    assert (latest["texts"], latest["spans"]) == (["park"], [[1004.0, None, 0, 1]])
+    view = LiveView(View(10.0, 500, source.time + 5.0))  # it ends later than the samples
+    view.select([MODE])
+    message = StateFeed().update(made, view, source.time)
+    assert message is not None and message["until"] == source.time
 
 
 def test_number_is_a_state_only_on_request() -> None:
@@ -363,3 +370,7 @@ def test_page_gets_states_beside_its_numbers() -> None:
     assert list(reply["states"]["traces"]) == [MODE]
     assert set(reply["stats"]["traces"]) == {MODE, "/fix/status"}
     json.dumps(reply)
+    for change in (page.show_again, lambda: page.restart(source.time)):  # at once
+        change()
+        reply = {one["type"]: one for one in page.frame(made, source.time, False)}
+        assert list(reply["states"]["traces"]) == [MODE]

@@ -56,6 +56,23 @@ def test_jumps_of_a_derivative_by_reception_are_explained() -> None:
     assert plain is None and derivative.startswith("timed by reception")
 
 
+def test_trace_is_silent_only_for_longer_than_usual() -> None:
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    for _ in range(5):
+        source.send(Float32, 1.0)
+        source.time += 1.0
+        made.update()
+    view = LiveView(View(5.0, 100, None))
+    view.select(["/a/data"])
+    found = []
+    for later in (3.0, 40.0):
+        now = source.time + later
+        table = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), now)
+        found.append(table["traces"]["/a/data"]["silent"])
+    assert found == [None, pytest.approx(42.0)]
+
+
 class Recorder:
     """Recorder with a problem of one field."""
 

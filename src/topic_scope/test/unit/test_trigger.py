@@ -112,6 +112,7 @@ def test_normal_reports_missing_crossings() -> None:
     values[times > 1.5] = -1.0
     found = states_of("normal", MOMENTS, (times, values))
     assert [state for state, _ in found] == ["armed", "triggered", "armed"]
+    assert found[-1] == ("armed", None)
 
 
 def test_a_level_that_is_not_reached_stays_armed() -> None:

@@ -83,10 +83,10 @@ class ComputedTrace:
     @property
     def span(self) -> Optional[Tuple[float, float]]:
         """Time span that may contain samples [s]; None without samples."""
-        spans = [trace.span for trace in self._traces]
-        if spans[0] is None or None in spans:
+        span = self._first.span
+        if span is None:
             return None
-        begin = spans[0][0] + min(self.lookaround[0], 0.0)
+        begin = span[0] + min(self.lookaround[0], 0.0)
         first, until = max(begin, to_seconds(self.whole_from)), self.until
         return (first, until) if first <= until else None
 

@@ -188,6 +188,10 @@ def test_choice_survives_a_jump_of_the_clock() -> None:
 def test_topic_whose_clock_was_chosen_is_still_received() -> None:
     made = received(machine(), A, B)
     choose(made, "/b", "/a")
+    named = f"{B}@stamp"
+    made.want([A, B, named], NOW / NS)
+    trace = made.trace(named)
+    assert trace is not None and trace.stream.leader is None  # its stamps were chosen instead
     made.want([B], NOW / NS + 1000.0)  # the trace of /a is no longer recorded
     assert "/a" in made.streams.topics
     made.want([A, B], NOW / NS + 1001.0)
@@ -221,6 +225,7 @@ def test_topic_with_a_follower_cannot_follow(
     choose(made, "/b", "/c")
     with pytest.raises(FieldError, match="/c cannot follow another topic: /b follows it"):
         choose(made, "/c", "/a")
+    choose(made, "/c", "")  # it does not follow any
     choose(made, "/b", "")
     choose(made, "/c", "/a")
 
@@ -228,8 +233,15 @@ def test_topic_with_a_follower_cannot_follow(
 def test_scopes_own_clock_is_not_offered() -> None:
     sent = machine()
     sent["/a"] = [(when, stamped(when, one.point.x)) for when, one in sent["/a"]]
-    made = received(sent, A, B)
+    difference, slope = f"={A} - {B}", f"=derivative({A}) + {A}@received"
+    operand = f"=2 * {A}.derivative@received"
+    made = received(sent, A, B, difference, slope, operand)
     assert made.streams.clock_topics() == ["/b"]
+    # A formula explains what is wrong with any of its operands.
+    traces = [made.trace(name) for name in (A, difference, slope, operand)]
+    words = [trace.correction for trace in traces if trace is not None]
+    assert words == [None, "stamps 2.80 s behind: shown at reception", None, None]
+    assert [bool(trace and trace.jumps) for trace in traces] == [False, False, True, True]
 
 
 def test_request_names_two_topics_or_one() -> None:

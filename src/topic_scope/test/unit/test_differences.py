@@ -107,6 +107,18 @@ def test_second_trace_is_interpolated_but_not_extrapolated() -> None:
     assert trace.stream.topic == "/a" and made.longest_step(NAME) == trace.longest_step
 
 
+def test_difference_is_as_silent_as_its_quieter_trace() -> None:
+    source = TimedSource()
+    made = recording(source, NAME)
+    source.receive("/a", [1000.0, 1003.0], [1.0, 2.0])
+    made.update()
+    trace = made.trace(NAME)
+    assert trace is not None and trace.span is None and trace.silence(1010.0) is None
+    source.receive("/b", [1001.0], [1.0])
+    made.update()
+    assert trace.silence(1010.0) == pytest.approx(9.0)
+
+
 def test_operands_are_kept_while_a_page_is_paused() -> None:
     source = TimedSource()
     made = recording(source, NAME, "/b/data")

@@ -25,7 +25,8 @@ class FakeSession:
     datatype = "geometry_msgs/Twist"
 
     def __init__(self, topic: str, datatype: str) -> None:
-        self.topic, self.commands, self.closed = topic, [], 0  # type: Tuple[str, List[Any], int]
+        self.topic, self.closed = topic, 0
+        self.commands: List[Tuple[Velocity, float]] = []
         self.is_on_time = True
 
     def drive(self, velocity: Velocity, sent: float) -> bool:

@@ -1,11 +1,14 @@
 """Graph message of pages, and rates from counts."""
 
-from typing import List
+from typing import Any, Dict, List, Set
+from unittest import mock
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test_parameter_sender import SlowWorker
 
+from topic_scope.graph import graph_feed
 from topic_scope.graph.graph_feed import Rates, graph_message
 from topic_scope.graph.master_watch import GraphState
 
@@ -85,3 +88,64 @@ def test_removed_connections_and_topics_are_dropped() -> None:
         )
     assert rates.of("/gen", "/topic48") is None and rates.of("/gen", "/topic49") == 1.0
     assert len(rates._counts["/gen"]) == len(rates._rates["/gen"]) == 1
+
+
+class Feed:
+    """Feed of the graph, whose nodes are counted by a fake."""
+
+    def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
+        self.worker, self.send, self.now, self.count = SlowWorker(), mock.Mock(), 0.0, 0
+        self.silent: Set[str] = set()
+        queries = mock.Mock(**{"message_counts.side_effect": self.answers})
+        monkeypatch.setattr(graph_feed, "NodeQueries", lambda _name: queries)
+        self.feed = graph_feed.GraphFeed("/gen_scope", self.worker, self.send)
+
+    def answers(self, nodes: Set[str]) -> Dict[str, Any]:
+        self.asked = sorted(nodes)
+        self.now, self.count = self.now + 1.0, self.count + 10
+        known = {"/gen": [counts("/signal", (1, self.count)), counts("/lone", (2, self.count))]}
+        return {
+            node: (self.now, [[one[0][0] for one in known.get(node, [])]])
+            for node in nodes - self.silent
+        }
+
+    def look(self, is_shown: bool = True, state: GraphState = STATE) -> Dict[str, Any]:
+        """Poll the graph; return the rates by topic."""
+        self.send.reset_mock()
+        self.feed.on_state(state, is_shown)
+        while self.worker.work:
+            self.worker.work.pop(0)()
+        graph: Any = self.feed.message()
+        assert not is_shown or self.send.call_args == mock.call(graph)
+        edges = [edge for edge in graph["edges"] if edge["from"] == "/gen"]
+        return {edge["topic"]: edge["rate"] for edge in edges}
+
+
+def test_rates_are_known_while_a_page_shows_the_graph(monkeypatch: "pytest.MonkeyPatch") -> None:
+    feed = Feed(monkeypatch)
+    assert feed.feed.message() is None
+    unknown, known = {"/signal": None, "/lone": None}, {"/signal": 10.0, "/lone": 10.0}
+    own = STATE._replace(publishers=[*STATE.publishers, ("/own", ["/gen_scope"])])
+    assert feed.look(state=own) == unknown and feed.asked == ["/b", "/gen", "/proc"]
+    assert feed.look() == known
+    feed.silent = {"/gen"}
+    assert feed.look() == unknown  # not the rate of before
+    feed.silent = set()
+    assert (feed.look(), feed.look()) == (unknown, known)
+    assert feed.look(is_shown=False) == unknown and not feed.send.called
+    assert feed.look() == unknown
+
+
+def test_failed_count_does_not_keep_the_graph_from_pages(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    feed = Feed(monkeypatch)
+    monkeypatch.setattr(feed.feed._queries, "message_counts", mock.Mock(side_effect=OSError))
+    assert set(feed.look()) == {"/signal", "/lone"}
+
+
+def test_node_that_has_restarted_has_no_rate_for_a_moment() -> None:
+    rates = Rates()
+    for now, count in ((0.0, 100), (1.0, 110), (2.0, 5)):
+        rates.add_counts("/gen", counts("/signal", (1, count)), now)
+    assert rates.of("/gen", "/signal") is None

@@ -11,7 +11,9 @@ from bags import serialized
 from rospy import Time
 from sensor_msgs.msg import Image
 
+from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.layout_cache import Layouts
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.page.open_page import Page
 from topic_scope.protocol.image_request import ImageRequest
 from topic_scope.sampling import image_history
@@ -74,7 +76,8 @@ class Scope:
         self.source, self.pages = Source(), [Page(5.0)]
         self.recorder = Recorder(self.source, Layouts(), 60.0)  # type: ignore[arg-type]
         self.recorder.set_topics(TYPES)
-        self.feed = ImageFeed(self.recorder, lambda: self.pages, read_again, mock.Mock())
+        self.refresh = mock.Mock()
+        self.feed = ImageFeed(self.recorder, lambda: self.pages, read_again, self.refresh)
         self.choose(self.pages[0], TOPIC)
 
     def choose(self, page: Page, topic: str) -> None:
@@ -254,6 +257,20 @@ def test_image_that_cannot_be_shown_has_its_time_and_the_reason() -> None:
     assert file is None and description["problem"] == "unsupported encoding 'x'"
     assert description["time"] == pytest.approx(NOW + 1.0)
     assert scope.reply()[1] is not None  # the next request succeeds
+
+
+def test_choice_of_a_topic_is_passed_on_at_once() -> None:
+    scope = Scope()
+    scope.refresh.assert_called_once_with()
+
+
+def test_images_of_an_overlaid_bag_are_not_recorded() -> None:
+    scope, topic = Scope(), "/old/camera"
+    overlay = mock.Mock(layouts={topic: layout_of(Image)}, arrays={topic: Arrays()})
+    made = Recorder(scope.source, Layouts(), 60.0, [overlay])  # type: ignore[arg-type]
+    made.set_topics({topic: "sensor_msgs/Image"})
+    made.want_images([topic])
+    assert made.images(topic) is None and scope.source.wanted == []
 
 
 def test_jump_of_the_clock_drops_all_images() -> None:

@@ -122,7 +122,7 @@ def test_all_times_move_with_their_clock() -> None:
     images.pin(1 * NS, 2 * NS)
     add(images, [(1 * NS, 1, b"a")], NS)
     images.move(-NS)
-    assert images.first == 0 and message_at(images, 0) == b"a"
+    assert images.first == images.first_kept == 0 and message_at(images, 0) == b"a"
     add(images, [(20 * NS, 2, b"b")], 20 * NS)
     assert images.first == 0  # the pinned span has moved as well
     assert images.at(-1) is None

@@ -11,6 +11,7 @@ import pytest
 from bags import BEGIN, write_bag
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from geometry_msgs.msg import Vector3
 from std_msgs.msg import Float64
 from test_differences import TimedSource, recording
 from test_one_clock import MS, NOW, received, stamped
@@ -70,6 +71,18 @@ def test_worst_excess_is_that_of_all_samples_so_far() -> None:
         made.update()
         result = check.update(made)
     assert (result.outside, result.worst) == (2, 4.0)
+
+
+def test_sample_on_a_limit_is_inside() -> None:
+    source, mask = TimedSource(), Mask("/a/data", "/b/data", 1.0, 0.0)
+    made = recording(source, *mask.names)
+    check = MaskCheck(mask, 1000.0)
+    times = [1001.0, 1001.1, 1001.2]
+    source.receive("/a", times, [1.0, -1.0, 1.5])
+    source.receive("/b", times, [0.0] * 3)
+    source.time = 1001.5
+    made.update()
+    assert check.update(made)[:3] == (2, 1, 0)
 
 
 def test_live_check_starts_when_both_traces_are_received() -> None:
@@ -229,6 +242,15 @@ def test_command_checks_a_trace_of_a_bag(
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "mask: 377 samples inside, 3 outside, 20 not checked"
     assert "1700000003.123457 s since the epoch, at worst by 1.8" in said[1]
+
+
+def test_name_of_several_fields_is_rejected(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    messages = [("/v", Vector3(), 10**7 * index) for index in range(10)]
+    path = write_bag(Path("v.bag"), messages)
+    assert status(monkeypatch, "/v", "--around", "/v/x", "--bag", path) == 2
+    assert capsys.readouterr().err == "mask: /v denotes 3 fields; name one of them\n"
 
 
 def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPatch") -> None:

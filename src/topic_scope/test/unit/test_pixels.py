@@ -163,6 +163,12 @@ def test_large_image_is_subsampled_with_a_note(every: int) -> None:
     assert convert(message("mono16", wide)).notes[0] == "black 0 to white 1000"
 
 
+def test_image_of_the_longest_side_is_whole() -> None:
+    image = numpy.zeros((1, pixels.LONGEST_SIDE, 1), numpy.uint8)
+    made = convert(message("mono8", image))
+    assert made.pixels.shape[1] == pixels.LONGEST_SIDE and made.notes == []
+
+
 def test_last_row_needs_no_padding() -> None:
     numbers = numpy.arange(12, dtype=numpy.uint8).reshape(2, 2, 3)
     image = message("rgb8", numbers, 3)

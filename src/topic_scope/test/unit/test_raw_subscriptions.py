@@ -15,6 +15,7 @@ from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
 from topic_scope.controls.node_status import NodeStatuses
+from topic_scope.sampling.message_source import TICK_NS
 from topic_scope.sampling.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
 from topic_scope.timing.nanoseconds import to_ns
 
@@ -148,6 +149,15 @@ def test_raw_and_usual_subscriptions_coexist(
     assert len(subscription.drain()[0].messages) == 1
 
 
+def test_messages_that_arrive_together_have_different_times(
+    subscription: RawSubscription, stack: contextlib.ExitStack
+) -> None:
+    with mock.patch.object(SteadyClock, "now_ns", return_value=10**18):
+        Connection(stack).bring(1.0, 2.0, 3.0)
+    (batch,) = subscription.drain()
+    assert list(batch.times) == [10**18, 10**18 + TICK_NS, 10**18 + 2 * TICK_NS]
+
+
 def test_queue_is_bounded(subscription: RawSubscription, stack: contextlib.ExitStack) -> None:
     connection = Connection(stack)
     tracemalloc.start()
@@ -163,7 +173,9 @@ def test_queue_is_bounded(subscription: RawSubscription, stack: contextlib.ExitS
     ) as log:
         for _ in range(200):
             connection.bring(*range(100))
-    (batch,) = subscription.drain()
+        (batch,) = subscription.drain()
+        connection.bring(1.0)  # there is room again
+        assert [len(one.messages) for one in subscription.drain()] == [1]
     assert 10000 < len(batch.messages) < 30000
     text, *values = log.call_args[0]
     assert f"{TOPIC} is too fast" in text % tuple(values)

@@ -19,6 +19,9 @@ def test_image_becomes_a_png_file_with_its_description() -> None:
     assert made.media_type == "image/png" and made.text == "3 × 2, bgr8"
     expected = numpy.arange(18).reshape(2, 3, 3)[:, :, ::-1]
     assert (decoded(made.data) == expected).all()
+    message.encoding = "8UC3"
+    made = shown_image(layout_of(Image), serialized(message))
+    assert made.text == "3 × 2, 8UC3, channels interpreted as bgr8"
 
 
 @pytest.mark.parametrize("data, kind", [(JPEG, "image/jpeg"), (PNG, "image/png")])

@@ -10,6 +10,7 @@ from bags import BagMessage, reading, slices
 from geometry_msgs.msg import PointStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.colors import to_hex
 from matplotlib.image import imread
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
@@ -138,6 +139,33 @@ def test_single_point_can_be_seen_and_many_points_are_not_marked() -> None:
     many = Series("/y/data", array("d", range(1000)), array("d", range(1000)))
     (axes,) = draw([point, many]).axes
     assert [line.get_marker() for line in axes.lines] == [".", ""]
+
+
+def test_bands_of_states_are_below_the_lines_over_one_time_axis() -> None:
+    mode = Series(
+        "/m/data.state",
+        array("d", [-0.5, 1.0, 1.5]),
+        array("d", [0.0, 1.0, 2.0]),
+        "a note",
+        ("cost $5$", "a\x07b", "idle"),
+    )
+    sine = SINE._replace(times=array("d", [0.0, 1.0, 4.0]), correction="shifted")
+    upper, lower = draw([mode, sine]).axes
+    assert [text.get_text() for text in upper.get_legend().get_texts()] == ["/x/data (shifted)"]
+    assert lower.get_title(loc="left") == "/m/data.state (a note)"
+    assert upper.get_xlim() == lower.get_xlim() == pytest.approx((-0.545, 4.045))
+    bands = [patch.get_xy()[:, 0] for patch in lower.patches]
+    ends = [(min(places), max(places)) for places in bands]
+    assert ends == [(-0.5, 1.0), (1.0, 1.5), (1.5, 4.0)]
+    texts = [(text.get_text(), text.get_parse_math()) for text in lower.texts]
+    assert texts == [("cost $5$", False), ("idle", False)]  # the other cannot be printed
+    # The same in each picture, and in each process.
+    assert to_hex(lower.patches[2].get_facecolor()) == "#d62728"
+
+
+def test_pdf_is_the_same_each_time(tmp_path: Path) -> None:
+    save(draw([SINE]), str(tmp_path / "x"), "pdf")
+    assert b"CreationDate" not in (tmp_path / "x").read_bytes()
 
 
 @pytest.mark.extended

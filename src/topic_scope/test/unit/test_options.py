@@ -24,6 +24,13 @@ def test_relative_names_are_in_the_namespace() -> None:
     assert parse(["a/x", "/b/x", "__ns:=lab"]).fields == ("/lab/a/x", "/b/x")
 
 
+def test_quoted_name_is_global_and_zero_addresses_are_this_machine() -> None:
+    assert parse(['"/a b"/x', "y", "__ns:=lab"]).fields == ('"/a b"/x', "/lab/y")
+    assert parse(["--address", "0.0.0.0"]).url == "http://localhost:8080"
+    options = parse(["_over:=a.bag", "_offset:=-1.5"])
+    assert [(one.name, one.offset) for one in options.over] == [("a", -1.5)]
+
+
 def test_a_formula_is_one_argument_and_its_fields_are_global() -> None:
     options = parse(["=/a/x - 2*/b", "c /d", "--below", "=sqrt(/a)", "__ns:=lab"])
     assert options.fields == ("=/a/x - 2 * /b", "/lab/c", "/d", "=sqrt(/a)")

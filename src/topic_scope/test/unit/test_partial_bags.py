@@ -8,13 +8,14 @@ import genpy
 import pytest
 import rosbag
 from bags import BEGIN, serialized, write_bag
-from std_msgs.msg import Float64, Int32, String
+from std_msgs.msg import Float64, Int32, Int64, String
 
 from topic_scope.bag.columns import choose
-from topic_scope.bag.message_slices import first_messages
+from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.ros1_recording import Ros1Recording
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.commands import plot_bag
 from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.recorder import Recorder
@@ -126,6 +127,38 @@ def test_picture_says_that_a_part_is_missing(tmp_path: Path) -> None:
     overlay = BagOverlay(write_with_a_broken_chunk(tmp_path / "x.bag", 1), "old")
     (series,) = overlay.read(["/x/data"])
     assert series.correction == "1 damaged part of the bag left out"
+    messages = [("/x", Int64(2**62), 0)]
+    with Ros1Recording(write_bag(tmp_path / "y.bag", messages)) as bag:
+        bag.lost += ["one", "two"]
+        lines, readers = chosen(bag, first_messages(bag), ["/x"])
+        (series,) = series_of(bag, lines, readers, slices(bag, ["/x"]))
+    assert str(series.correction).startswith("whole numbers beyond 2**53")
+    assert str(series.correction).endswith("; 2 damaged parts of the bag left out")
+
+
+def test_picture_of_two_bags_reports_the_parts_that_each_lacks(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: Any
+) -> None:
+    first, second = (write_with_a_broken_chunk(tmp_path / f"{name}.bag", 1) for name in "xy")
+    arguments = [
+        first,
+        "/x",
+        "/x/data",
+        "--over",
+        second,
+        "--over",
+        first,
+        "-o",
+        str(tmp_path / "x.png"),
+    ]
+    monkeypatch.setattr("sys.argv", ["plot_bag.py", *arguments, "--align", "/x", "1.5"])
+    with pytest.raises(SystemExit) as caught:
+        plot_bag.main()
+    lines = [one for one in capsys.readouterr().err.splitlines() if "is damaged" in one]
+    assert caught.value.code == 1
+    assert [one.split(" is damaged")[0] for one in lines] == [
+        f"plot_bag: {path}" for path in (first, second)
+    ]
 
 
 def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) -> None:

@@ -14,7 +14,7 @@ from topic_scope.masks.mask_check import Mask
 from topic_scope.protocol import formula_request, requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.overlay_request import OverlayRequest, overlay_of
-from topic_scope.protocol.requests import Chart, Handler, Measure
+from topic_scope.protocol.requests import Chart, Drive, Handler, Measure, trigger_of
 from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
 CHECKS = {
@@ -265,3 +265,19 @@ def test_the_page_has_the_version_of_the_protocol() -> None:
     link = pathlib.Path(__file__).parents[2] / "www" / "js" / "base" / "link.js"
     (found,) = re.findall(r"^const PROTOCOL = (\d+);", link.read_text("utf-8"), re.MULTILINE)
     assert int(found) == requests.VERSION
+
+
+def test_measured_span_is_relative_to_its_reference_in_either_direction() -> None:
+    assert Measure(start=1.0, end=-2.0).span(100.0) == (98.0, 101.0)
+    assert Measure(start=-2.0, end=1.0, reference=50.0).span(100.0) == (48.0, 51.0)
+    assert Measure(start=1.0).span(100.0) is None
+
+
+def test_turning_on_the_spot_is_no_stop() -> None:
+    assert Drive(0.0, 0.0, 1.0).is_stop
+    assert not Drive(0.0, 0.5, 1.0).is_stop and not Drive(0.5, 0.0, 1.0).is_stop
+
+
+def test_holdoff_may_be_as_long_as_a_view() -> None:
+    request = {"mode": "auto", "field": "/a/x", "level": 0.0, "edge": "rising"}
+    assert trigger_of({**request, "holdoff": 3600.0}).holdoff == 3600.0

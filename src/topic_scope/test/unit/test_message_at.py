@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from typing import Dict, List
+from unittest import mock
 
 import genpy
 import pytest
@@ -9,6 +10,7 @@ import rosbag
 from bags import BEGIN
 from std_msgs.msg import Int32
 
+from topic_scope.bag import message_at
 from topic_scope.bag.message_at import MessageFinder
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.recording import BagError
@@ -47,8 +49,9 @@ def played(path: str, topic: str) -> Dict[int, bytes]:
 def test_message_is_that_of_the_player(path: str, topic: str) -> None:
     finder, expected = MessageFinder(path), played(path, topic)
     assert len(expected) == len(RECORDED)
-    found: List[object] = [finder.find(topic, time) for time in expected]
-    assert found == list(expected.values())
+    with mock.patch.object(message_at, "open_bag", side_effect=message_at.open_bag) as opened:
+        found: List[object] = [finder.find(topic, time) for time in expected]
+    assert found == list(expected.values()) and opened.call_count == 1
 
 
 def test_time_or_topic_without_a_message_has_none(path: str) -> None:

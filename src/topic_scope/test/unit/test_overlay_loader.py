@@ -1,9 +1,11 @@
 """Loader of overlaid bags, and their shifts by pages."""
 
+import math
 import threading
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Sequence
 
+import numpy
 import pytest
 from bags import write_bag
 from std_msgs.msg import Float64
@@ -69,13 +71,16 @@ def bench(tmp_path: Path) -> Bench:
 def test_requested_traces_are_read_in_a_worker_and_reported(bench: Bench) -> None:
     trace = bench.bag.trace("/old/x", ("data",), "", "")
     bench.overlays.read_wanted()
-    assert trace.problem == "the bag is being read"
+    assert trace.problem == "the bag is being read" and trace.longest_step == math.inf
     later = bench.bag.trace("/old/x", ("data",), "received", "")
     bench.overlays.read_wanted()  # after the current job
     bench.finish()
     assert trace.problem is None and len(trace.ring) == 21 and bench.changes == 1
+    assert trace.longest_step == pytest.approx(0.5)
     bench.finish()
     assert later.problem is None and bench.changes == 2
+    later.fill(numpy.array([0.0]), numpy.array([1.0]), "stamps 2.00 s behind")
+    assert later.correction == "stamps 2.00 s behind"
 
 
 def test_bag_damaged_meanwhile_is_reported_in_its_row(bench: Bench) -> None:

@@ -267,3 +267,10 @@ def test_bag_with_damaged_bytes_is_read_or_reported(
             read(bag, {one.topic for one in bag.connections.values()}, 0)
     except BagError as error:
         assert str(path) in str(error)
+
+
+def test_bag_is_closed_at_the_end_of_its_block(tmp_path: Path) -> None:
+    with Ros1Recording(write(tmp_path / "x.bag", [("a", 1, 0)])) as bag:
+        assert len(bag.read(0, list(bag.connections))) == 1
+    with pytest.raises(BagError, match="closed file"):
+        bag.read(0, list(bag.connections))

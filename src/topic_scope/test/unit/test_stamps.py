@@ -181,6 +181,16 @@ def test_csv_of_plot_bag_uses_the_stamps(delays: List[float]) -> None:
     check([START + time for time, _ in rows], [value for _, value in rows])
 
 
+def test_csv_of_plot_bag_has_invalid_stamps_at_their_recording() -> None:
+    sent, file = in_bag([0.0] * COUNT), io.StringIO()
+    sent[10][2].header.stamp = Time(0)
+    sent[20][2].header.stamp += Duration(20)
+    write_csv(file, reading([EXACT], sent, BAG_BEGIN), slices(sent))
+    _, *lines = file.getvalue().splitlines()
+    rows = [[float(cell) for cell in line.split(",")] for line in lines]
+    check([START + time for time, _ in rows], [value for _, value in rows])
+
+
 @late
 def test_latency_equals_the_delay_of_messages(delays: List[float]) -> None:
     for timestamp in ("stamp", ""):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topic_scope.timing.clocks import Clock, Clocks
-from topic_scope.timing.lag import SETTLED_NS, TOLERANCE_NS
+from topic_scope.timing.lag import SETTLED_NS, TOLERANCE_NS, Lag
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns, to_ns
 from topic_scope.timing.topic_time import PlacedMessages, TopicTime
 
@@ -499,3 +499,56 @@ def test_no_message_waits_for_longer_than_the_patience(kind: str, is_stamp: bool
         if len(waiting):
             assert waiting[-1] - waiting[0] <= topic.time.patience + 100 * MS
     assert len(topic.shown().times) == 1000
+
+
+def clock_with(clocks: Clocks, lag: int, received: int) -> Tuple[Clock, Lag]:
+    """Return a clock with one topic, of which one message was received."""
+    when = numpy.array([received])
+    clock, topic = clocks.find(when - lag, when, True, False), Lag()
+    topic.begin(lag, received)
+    topic.received = received
+    clock.members.add(topic)
+    return clock, topic
+
+
+def test_offset_of_a_bag_is_that_of_its_first_seconds() -> None:
+    clocks = Clocks(3 * NS)
+    clock, topic = clock_with(clocks, 100 * NS, 1000 * NS)
+    offsets = []
+    for second in (1, 5):
+        topic.received = (1000 + second) * NS
+        topic.usual += NS // 10
+        clocks.follow(clock, topic.received)
+        offsets.append(clock.offset)
+    assert offsets == [100 * NS + NS // 10] * 2 and clocks.changes == 1
+
+
+def test_clock_that_a_topic_has_left_is_not_found_again_for_it() -> None:
+    clocks = Clocks()
+    clock, topic = clock_with(clocks, 1000 * NS, 2000 * NS)
+    later = numpy.array([2001 * NS])
+    stamps = later - 1001 * NS  # one of its topics would be placed with this lag
+    assert clocks.find(stamps, later, True, False) is clock
+    assert clocks.find(stamps, later, True, False, left=clock) is not clock
+    assert topic in clock.members
+
+
+def test_drifting_clock_is_where_its_latest_topic_is() -> None:
+    clocks = Clocks()
+    clock, early = clock_with(clocks, 1000 * NS, 2000 * NS)
+    latest = Lag()
+    latest.begin(1000 * NS, 2010 * NS)
+    latest.received, latest.drift = 2010 * NS, 0.5
+    clock.members.add(latest)
+    assert clock.expected(2012 * NS) == clock.offset + NS
+    assert early in clock.members
+
+
+def test_first_stamps_count_as_a_change_of_the_clocks() -> None:
+    clocks = Clocks()
+    time = TopicTime(clocks)
+    received = numpy.array([2000 * NS])
+    time.place(numpy.array([NO_TIME]), received)
+    assert clocks.changes == 0
+    time.place(received - 5 * NS, received + NS)
+    assert clocks.changes == 1

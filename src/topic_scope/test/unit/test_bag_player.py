@@ -326,3 +326,12 @@ def test_side_subscriptions_get_the_latest_message_however_old(
     assert (player.aside.subscriptions(), player.lacks_past) == ({}, False)
     player.aside.want(["/rare"])
     assert player.lacks_past
+
+
+def test_note_about_a_message_is_reported_once(bag: Ros1Recording) -> None:
+    player = playing(bag, Clock(), "/a", history=10.0)
+    bag.notes.append("a message is left out")
+    player.seek(player.end)
+    while player.is_loading:
+        player.now()
+    assert list(player.problems) == ["a message is left out"] and bag.notes == []

@@ -18,9 +18,9 @@ from std_msgs.msg import Float64, Float64MultiArray
 from basic_comms.msg import signal_msg
 from topic_scope.bag.columns import Column
 from topic_scope.bag.plot import draw, save
-from topic_scope.bag.series import Series, collect, computed
+from topic_scope.bag.series import Series, collect, computed, crossing
 from topic_scope.formulas.names import formula_of
-from topic_scope.messages.fields import to_path
+from topic_scope.messages.fields import FieldError, to_path
 
 
 def collected(columns: List[Column], sent: List[BagMessage]) -> List[Series]:
@@ -114,6 +114,14 @@ def test_a_difference_is_taken_between_two_points_and_not_across_a_gap() -> None
     assert found.name == "apart" and found.times == first.times
     nothing = math.nan
     assert repr(list(found.values)) == repr([nothing, 4.5, 3.5, nothing, nothing, nothing])
+
+
+def test_level_is_reached_from_below() -> None:
+    times = array("d", [0.0, 1.0, 2.0])
+    assert crossing(Series("/x", times, array("d", [0.0, 0.5, 0.0])), 0.5) == 1.0
+    assert crossing(Series("/x", times, array("d", [1.0, 0.0, 1.0])), 0.25) == 1.25
+    with pytest.raises(FieldError, match="/x does not rise through 0.5"):
+        crossing(Series("/x", times, array("d", [0.5, 1.0, 0.75])), 0.5)
 
 
 def test_lines_legend_and_titles() -> None:

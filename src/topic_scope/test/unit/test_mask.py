@@ -15,6 +15,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import Float64
 from test_differences import TimedSource, recording
 from test_one_clock import MS, NOW, received, stamped
+from test_partial_bags import write_with_a_broken_chunk
 
 from topic_scope.commands import mask as mask_command
 from topic_scope.masks.mask_check import Mask, MaskCheck, MaskResult
@@ -374,3 +375,12 @@ def test_invalid_file_is_rejected(
 ) -> None:
     assert status(monkeypatch, "/a", "--around", "/b", "--bag", "no.bag") == 2
     assert capsys.readouterr().err == "mask: no.bag: No such file or directory\n"
+
+
+def test_damaged_bag_does_not_pass(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    path = write_with_a_broken_chunk(tmp_path / "x.bag", 1)
+    assert status(monkeypatch, "/x", "--around", "/x", "--value", "1", "--bag", path) == 2
+    said = capsys.readouterr()
+    assert ", 0 outside" in said.out and f"mask: {path} is damaged (" in said.err

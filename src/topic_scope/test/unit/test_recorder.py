@@ -96,6 +96,17 @@ def test_topic_with_an_unreadable_definition_has_no_fields_of_the_installed_type
     assert made.problem("/a/data") == "its definition cannot be read"
 
 
+def test_definition_of_one_publisher_does_not_replace_the_installed_type() -> None:
+    layouts = Layouts()
+    installed = layouts.installed("std_msgs/Float32")
+    other = {"type": "std_msgs/Float32", "md5sum": "1", "message_definition": "float64 other"}
+    assert layouts.received(other) is not installed
+    assert layouts.installed("std_msgs/Float32") is installed
+    assert layouts.received({**other, "type": "not_here/Type"}) is layouts.installed(
+        "not_here/Type"
+    )
+
+
 def test_only_requested_fields_are_subscribed_and_recorded() -> None:
     source = FakeSource()
     made = recording(source, "/a/data", "/d/later")

@@ -3,6 +3,7 @@
 import struct
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Set, Tuple
+from unittest import mock
 
 import genpy
 import pytest
@@ -274,3 +275,19 @@ def test_bag_is_closed_at_the_end_of_its_block(tmp_path: Path) -> None:
         assert len(bag.read(0, list(bag.connections))) == 1
     with pytest.raises(BagError, match="closed file"):
         bag.read(0, list(bag.connections))
+
+
+@pytest.mark.parametrize("content", [b"no bag", b"#ROSBAG V2.0\n\1\2"])
+def test_unreadable_bag_leaves_no_open_file(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "x.bag"
+    path.write_bytes(content)
+    with mock.patch.object(Ros1Recording, "close") as close, pytest.raises(BagError):
+        Ros1Recording(str(path))
+    close.assert_called_once_with()
+
+
+def test_messages_of_all_chunks_are_counted(tmp_path: Path) -> None:
+    sent = [("ab"[number % 3 == 0], 300, number) for number in range(30)]
+    with Ros1Recording(write(tmp_path / "x.bag", sent)) as bag:
+        assert len(bag.chunks_after(-1)[0]) > 3
+        assert [bag.count([topic]) for topic in ("/a", "/b", "/c")] == [20, 10, 0]

@@ -1,7 +1,13 @@
 """Responses to pages before the scope is ready."""
 
+import errno
 from typing import Any, Dict, List
+from unittest import mock
 
+import pytest
+
+from topic_scope.protocol.options import parse
+from topic_scope.web import handlers
 from topic_scope.web.http_server import PlaceholderScope
 
 URI = "http://localhost:11311"
@@ -30,3 +36,14 @@ def test_missing_master_is_reported_only_once_known() -> None:
     assert early.texts == ["", SENTENCE]
     assert late.texts == [SENTENCE]
     assert gone.texts == [""]
+
+
+def test_next_port_is_tried_only_if_one_is_taken(monkeypatch: "pytest.MonkeyPatch") -> None:
+    taken, refused = OSError(errno.EADDRINUSE, "in use"), OSError(errno.EACCES, "not allowed")
+    bind = mock.Mock(side_effect=[taken, ["socket"], refused])
+    monkeypatch.setattr("tornado.netutil.bind_sockets", bind)
+    options = parse(["--port", "8090", "--next-port"])
+    assert handlers.bind(options) == ["socket"]
+    assert [call[0][0] for call in bind.call_args_list] == [8090, 8091]
+    with pytest.raises(OSError, match="not allowed"):
+        handlers.bind(options)

@@ -25,7 +25,7 @@ from geometry_msgs.msg import Point, PointStamped  # isort: skip
 SINE = "/sine/point/x"
 #: Position of an element, in fractional pixels.
 _BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
-#: Watch for the least number that a cell shows: a count that begins anew is high again soon.
+#: Watch for the least number that a cell shows: a count that restarts is soon high again.
 _LEAST = """
 const [cell] = arguments; window.least = 1e9;
 new MutationObserver(() => {

@@ -76,6 +76,14 @@ def test_ctrl_c_does_not_reach_a_compiler(
     assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
 
 
+def test_tool_that_hangs_is_named(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(avr_board, "_BUILD_S", 0.1)
+    with pytest.raises(BuildError, match="avr-size takes more than 0.1 s"):
+        size_of(tmp_path, monkeypatch, "__import__('time').sleep(10.0)")
+
+
 def test_initialized_data_takes_flash_and_ram(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -295,6 +295,10 @@ def test_of_64_bits_a_board_takes_the_nearest_of_32(board: Board, numbers: List[
 
 DOUBLES = """
 #include <stdio.h>
+#include <stdlib.h>
+static int allocations = 0;
+static void *counted(void *memory, size_t size) { allocations++; return realloc(memory, size); }
+#define realloc counted
 #include "../std_msgs/Bool.h"
 #include "../std_msgs/Float64MultiArray.h"
 #include "../std_msgs/String.h"
@@ -311,8 +315,13 @@ int main() {
   int length = fread(in, 1, sizeof in, stdin);
   if (it.deserialize(in) != length || sizeof it.st_data != 8) return 1;
   double *room = it.data;
+  in[8] = 1;  // number of elements
   it.deserialize(in);
-  if (it.data != room) return 2;  // or the memory of a board would soon be full
+  if (it.data_length != 1) return 5;
+  in[8] = 5;
+  it.deserialize(in);
+  // Or the memory of a board would soon be full.
+  if (it.data != room || allocations != 1) return 2;
   fwrite(it.data, 8, it.data_length, stdout);
   return 0;
 }
@@ -421,6 +430,16 @@ def test_command_writes_headers_for_sketch(tmp_path: pathlib.Path) -> None:
     ]
 
 
+def test_headers_are_in_the_folder_of_the_help_by_default(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["make_headers", "std_msgs"])
+    monkeypatch.setattr(make_headers, "build_headers", lambda packages: {"a/B.h": "text"})
+    make_headers.main()
+    assert (tmp_path / "ros_headers" / "a" / "B.h").read_text() == "text"
+
+
 def test_types_within_a_service_are_included() -> None:
     found: Dict[str, str] = {}
     make_headers._add_service(found, "lifecycle_msgs/GetState")
@@ -451,11 +470,22 @@ def test_command_reports_why_it_fails(arguments: List[str], why: str) -> None:
     assert done.stderr.count("\n") == 1
 
 
-def test_help_has_the_arguments_and_the_name_of_the_library(
-    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+@pytest.mark.parametrize(
+    "option, start, part",
+    [
+        ("--help", "usage: make_headers [-h]", "a library, ros_messages,"),
+        ("--version", "make_headers of serial_link ", ""),
+    ],
+)
+def test_help_has_the_name_of_the_library_and_the_version_that_of_the_package(
+    option: str,
+    start: str,
+    part: str,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
 ) -> None:
-    monkeypatch.setattr("sys.argv", ["make_headers", "--help"])
+    monkeypatch.setattr("sys.argv", ["make_headers", option])
     with pytest.raises(SystemExit):
         make_headers.main()
     words = capsys.readouterr().out
-    assert words.startswith("usage: make_headers [-h]") and "a library, ros_messages," in words
+    assert words.startswith(start) and part in words

@@ -177,6 +177,8 @@ def test_boards_have_slots_and_surplus_board_is_refused(
     server.ports[0].release()
     assert server.ports[1].read(0.0) == b""  # the other continues
     server.ports[1].release()
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("localhost", number))
     for board in boards:
         board.unplug()
 

@@ -59,6 +59,11 @@ def test_message_that_takes_longer_than_the_library_waits_is_logged_and_sent(
     assert "282 bytes" not in caplog.text
     assert [len(payload) for payload in around.sent] == [107, 108, 280]
     assert counters.to_dict() == {TOO_LARGE: 2}
+    caplog.clear()
+    around.baud = 0  # TCP
+    SubscribedTopic(around, Endpoint(SUBSCRIBER, *INFO[1:3], None, INFO), around, counters)
+    around.receive(bytes(280))
+    assert not caplog.text and len(around.sent) == 4
 
 
 class Subscription:

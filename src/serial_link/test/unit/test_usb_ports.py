@@ -41,6 +41,14 @@ def test_native_ports_are_those_of_cdc_acm_without_a_converter(
     assert has_line(str(link), str(tmp_path)) is expected
 
 
+def test_native_port_that_is_unplugged_meanwhile_has_no_line(tmp_path: pathlib.Path) -> None:
+    describe(tmp_path, "cdc_acm")
+    vendor = tmp_path / "usb1" / "1-1" / "idVendor"
+    vendor.unlink()
+    vendor.mkdir()  # an error other than that of a missing file, like ENODEV
+    assert not has_line("/dev/ttyX0", str(tmp_path))
+
+
 def test_port_that_the_system_does_not_describe_has_a_line(tmp_path: pathlib.Path) -> None:
     assert has_line("/dev/ttyX0", str(tmp_path))
     assert has_line("/dev/pts/0")

@@ -73,7 +73,8 @@ def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
             "there is no signal_z in basic_comms/signal_msg; similar names: /signal/signal_y",
         ),
         ("/sginal/signal_y", "no such topic; similar names: /signal/signal_y"),
-        ("/signal_y", "no such topic; similar names: /signal/signal_y"),
+        ("/time_x", "no such topic; similar names: /signal/time_x"),
+        ("/signal/signal_y@nothing", "there is no time nothing in basic_comms/signal_msg; similar"),
         (
             "/robot/arm/dat",
             "there is no dat in std_msgs/Float64MultiArray; similar names: /robot/arm/d",
@@ -99,6 +100,18 @@ def test_unknown_field_is_rejected_with_similar_names(name: str, text: str) -> N
 def test_bag_without_any_number() -> None:
     with pytest.raises(FieldError, match="the bag has no numbers"):
         choose(["/words/date"], first_messages({"/words": String()}))
+
+
+def test_names_of_the_given_topic_are_suggested_first() -> None:
+    arms = first_messages({"/robot/arm": Float64MultiArray(data=[1.0]), "/robot/arms": Bool()})
+    with pytest.raises(FieldError, match=r"similar names: /robot/arm/data\[0\], /robot/arms/data"):
+        choose(["/robot/arm/dat"], arms)
+
+
+def test_topics_with_numbers_are_all_named_if_they_are_few() -> None:
+    few = first_messages({topic: Bool() for topic in ("/a", "/b", "/c")})
+    with pytest.raises(FieldError, match="topics with numbers: /a, /b, /c$"):
+        choose(["/qqq/zzz"], few)
 
 
 def test_all_columns_can_be_chosen_by_their_names() -> None:

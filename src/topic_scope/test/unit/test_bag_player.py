@@ -64,7 +64,7 @@ def test_large_messages_are_read_in_several_calls(
     counts = []
     while player.is_loading:
         player.now()
-        counts += [len(one.messages) for one in player.subscriptions()["/a"].drain()]
+        counts.append(sum(len(one.messages) for one in player.subscriptions()["/a"].drain()))
     assert sum(counts) == len(RECORDED["/a"]) and len(counts) > 5
 
 
@@ -194,6 +194,22 @@ def test_times_of_successive_outputs_are_distinct(
     assert times == sorted(set(times)) and len(times) == 4
 
 
+def test_latest_output_of_two_publishers_counts(
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
+) -> None:
+    path, clock = tmp_path / "x.bag", Clock()
+    with rosbag.Bag(str(path), "w") as file:
+        for topic, time in (("/a", 0), ("a", 0), ("a", 0), ("/a", 400)):  # ns
+            file.write(topic, Int32(), genpy.Time(0, BEGIN + time))
+    player = playing(opened(path), clock, "/a")
+    loaded(player)
+    player.play()
+    clock.time += 1.0
+    player.now()
+    times = [time for one in player.subscriptions()["/a"].drain() for time in one.times]
+    assert len(set(times)) == 4
+
+
 def test_only_requested_topics_are_output_and_more_after_a_seek(bag: Ros1Recording) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)
@@ -249,6 +265,19 @@ def test_reading_time_of_a_call_is_limited_and_the_clock_waits(bag: Ros1Recordin
         player.now()
         looks += 1
     assert taken(player) == {"/a": list(RECORDED["/a"])} and looks > 3
+
+
+def test_last_chunk_is_read_even_if_it_begins_at_the_end(
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
+) -> None:
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w", chunk_threshold=1) as file:
+        for time in (0, 1000):
+            file.write("/a", Int32(time), genpy.Time(0, BEGIN + time * 10**6))
+    player = playing(opened(path), Clock(step=1.0), "/a")
+    player.seek(player.end)
+    loaded(player)
+    assert taken(player) == {"/a": [0, 1000]}
 
 
 def test_player_does_not_catch_up_after_a_delay(bag: Ros1Recording) -> None:

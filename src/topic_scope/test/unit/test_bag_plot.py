@@ -5,6 +5,7 @@ from array import array
 from pathlib import Path
 from typing import List
 
+import genpy
 import pytest
 from bags import BagMessage, reading, slices
 from geometry_msgs.msg import PointStamped
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from matplotlib.colors import to_hex
 from matplotlib.image import imread
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64, Float64MultiArray
+from std_msgs.msg import Float64, Float64MultiArray, Header
 
 from basic_comms.msg import signal_msg
 from topic_scope.bag.columns import Column
@@ -59,6 +60,7 @@ def test_unplottable_value_leaves_a_gap() -> None:
     (series,) = collected([Column("/x", ("data", 0))], samples)
     assert [value for value in series.values if not math.isnan(value)] == [2.0]
     assert len(series.values) == len(series.times) == 6
+    assert series.correction is None
 
 
 def test_stamped_messages_are_plotted_over_stamps_and_a_clock_set_back_ends_the_line() -> None:
@@ -102,6 +104,35 @@ def test_unset_stamp_does_not_end_the_line() -> None:
     samples = [(round(time * 1e9), "/x", PointStamped()) for time in times]
     (series,) = collected([Column("/x", ("point", "x"))], samples)
     assert list(series.times) == times and list(series.values) == [0.0] * 7
+
+
+def test_line_over_stamps_ends_at_a_shorter_gap() -> None:
+    """A delay does not affect stamps: a gap of several steps is one of messages."""
+    times = [0.0, 0.01, 0.02, 0.03, 0.04, 0.2, 0.21]
+    samples = [
+        (
+            round(time * 1e9),
+            "/x",
+            PointStamped(header=Header(stamp=genpy.Time.from_sec(5.0 + time))),
+        )
+        for time in times
+    ]
+    (series,) = collected([Column("/x", ("point", "x"))], samples)
+    assert repr(list(series.values)) == repr([0.0] * 5 + [math.nan] + [0.0] * 2)
+
+
+def test_first_seconds_of_a_bag_determine_the_offset_of_a_clock() -> None:
+    """The messages from 5 s on are recorded 0.3 s late."""
+    samples = [
+        (
+            index * 10**8 + (3 * 10**8 if index >= 50 else 0),
+            "/x",
+            PointStamped(header=Header(stamp=genpy.Time(1000 + index // 10, index % 10 * 10**8))),
+        )
+        for index in range(100)
+    ]
+    (series,) = collected([Column("/x", ("point", "x"))], samples)
+    assert list(series.times) == pytest.approx([0.1 * index for index in range(100)])
 
 
 def test_a_difference_is_taken_between_two_points_and_not_across_a_gap() -> None:

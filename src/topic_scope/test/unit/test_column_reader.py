@@ -7,6 +7,7 @@ from decimal import Decimal
 from typing import List, Tuple
 
 import genpy
+import pytest
 from bags import BagMessage, reading, slices
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,6 +15,7 @@ from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, In
 
 from topic_scope.bag.columns import Column
 from topic_scope.bag.column_reader import write_csv
+from topic_scope.messages.fields import FieldError
 from topic_scope.timing.nanoseconds import exact_seconds
 
 
@@ -90,3 +92,11 @@ def test_fields_of_one_message_share_its_row() -> None:
         ["0.000000000", "", "3.5", ""],
         ["0.000000001", "4.5", "", ""],
     ]
+
+
+def test_longest_array_is_named_if_an_element_is_in_no_message() -> None:
+    samples = [(n, "/x", Float64MultiArray(data=[1.0] * size)) for n, size in enumerate((1, 3, 2))]
+    readers = reading([Column("/x", ("data", 5))], samples)
+    write_csv(io.StringIO(), readers, slices(samples))
+    with pytest.raises(FieldError, match="data has 3 elements at most"):
+        readers[0].check()

@@ -142,6 +142,16 @@ def test_reply_has_the_image_at_the_time_or_the_newest(converted: List[Tuple[int
     assert all(name.startswith("images") for _, name in converted)
 
 
+def test_images_of_two_topics_received_at_once_are_told_apart() -> None:
+    scope, other = Scope(), Scope()
+    scope.send(1)
+    other.send(2)
+    scopes = {TOPIC: scope.recorder.images(TOPIC), "/other": other.recorder.images(TOPIC)}
+    with mock.patch.object(scope.recorder, "images", scopes.__getitem__):
+        files = [run(scope.feed.reply(ImageRequest(topic, None, ""))).file for topic in scopes]
+    assert [file and file.data for file in files] == [b"\1", b"\2"]
+
+
 def test_image_of_another_clock_is_placed_like_a_trace(converted: List[Tuple[int, str]]) -> None:
     scope = Scope()
     scope.recorder.want(["/camera/image/height"], NOW)
@@ -240,7 +250,7 @@ def test_images_of_paused_pages_are_dropped_last(
     scope.reply()
     scope.send(4, 5, 6, delay=delay)
     assert scope.reply(NOW + 2.0)[1] is not None and scope.reply(NOW + 3.0)[1] is not None
-    assert "was dropped" in scope.text(NOW + 4.0)
+    assert scope.text(NOW + 4.0).endswith("was dropped: the scope keeps 128 MB of images")
     scope.pages[0].view.pinned = scope.pages[1].view.pinned = None
     scope.reply()
     scope.send(7, 8, 9, delay=delay)

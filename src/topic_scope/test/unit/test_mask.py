@@ -6,6 +6,7 @@ import itertools
 import math
 from pathlib import Path
 from typing import Any, List, Tuple
+from unittest import mock
 
 import pytest
 from bags import BEGIN, write_bag
@@ -84,6 +85,45 @@ def test_sample_on_a_limit_is_inside() -> None:
     source.time = 1001.5
     made.update()
     assert check.update(made)[:3] == (2, 1, 0)
+
+
+def test_sample_without_a_value_is_not_checked() -> None:
+    source, mask = TimedSource(), Mask("/a/data", "/b/data", 1.0, 0.0)
+    made = recording(source, *mask.names)
+    check = MaskCheck(mask, 1000.0)
+    times = [1001.0, 1001.1, 1001.2]
+    source.receive("/a", times, [0.0, math.nan, 0.0])
+    source.receive("/b", times, [0.0] * 3)
+    source.time = 1001.5
+    made.update()
+    assert check.update(made)[:3] == (2, 0, 1)
+
+
+def test_first_sample_outside_is_the_earliest_even_if_it_is_late() -> None:
+    stamps = [NOW + 10 * MS * index for index in range(700)]
+    sent = [(when, stamped(when, 9.0 if when in stamps[20:31:10] else 0.0)) for when in stamps]
+    reply = list(sent)
+    sent[20] = (stamps[20] + 5 * NS + 1, sent[20][1])
+    sent.sort(key=lambda one: one[0])
+    mask = Mask("/a/point/x@stamp", "/b/point/x@stamp", 0.2, 0.0)
+    check = MaskCheck(mask, -math.inf)
+    others = [(when, stamped(when, 0.0)) for when, _ in reply]
+    received({"/a": sent, "/b": others}, *mask.names, watch=check.update)
+    assert (check.result.outside, check.result.first) == (2, stamps[20] / NS)
+
+
+def test_topics_that_appear_later_do_not_restart_the_check() -> None:
+    source = TimedSource()
+    arguments = argparse.Namespace(
+        field="/a", around="/b", value=1.0, time=0.0, all=False, save=None
+    )
+    checker = mask_command.TraceChecker(recording(source), arguments)
+    checker.begin(source.time, 0.0)
+    for topic, value in (("/a", 5.0), ("/b", 0.0)):
+        source.receive(topic, [source.time, source.time + 0.1], [value] * 2)
+    assert checker.update()
+    checker.begin(source.time, 0.0)
+    assert checker.finish() == mask_command.OUTSIDE
 
 
 def test_live_check_starts_when_both_traces_are_received() -> None:
@@ -182,7 +222,7 @@ def test_late_sample_is_checked_at_its_stamp(late: float) -> None:
         check.update(made)
         check.finish(made)
         result = check.result
-        assert result.outside == 1 and result.first == pytest.approx(stamps[500] / NS)
+        assert result.outside == 1 and result.first == stamps[500] / NS
         assert result.inside + result.outside + result.unchecked == check.received == 1000
         assert result.unchecked <= 12
 
@@ -243,6 +283,12 @@ def test_command_checks_a_trace_of_a_bag(
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "mask: 377 samples inside, 3 outside, 20 not checked"
     assert "1700000003.123457 s since the epoch, at worst by 1.8" in said[1]
+    assert status(monkeypatch, *around, "--value", "0.1") == 1
+    # Samples that wait for their reference when the check ends are not reported.
+    assert (
+        capsys.readouterr().out.splitlines()[0]
+        == "mask: 328 samples inside, 3 outside, 10 not checked"
+    )
 
 
 def test_name_of_several_fields_is_rejected(
@@ -275,8 +321,11 @@ def test_failure_is_saved_before_its_samples_are_dropped(
 ) -> None:
     """Later samples are added at the end, if they are still in the history."""
     monkeypatch.setattr(mask_command, "_HISTORY_S", history)
+    save = mock.Mock(wraps=mask_command.save_failure)
+    monkeypatch.setattr(mask_command, "save_failure", save)
     arguments = ("/a", "--around", "/b", "--bag", bag, "--value", "0.3", "--save", "out.csv")
     assert status(monkeypatch, *arguments, "--all") == 1
+    assert save.call_count == (2 if history > 4.0 else 1)
     with open("out.csv", newline="") as file:
         values = [float(row["/a/data"] or "nan") for row in csv.DictReader(file)]
     assert sum(value > 1.2 for value in values) == peak

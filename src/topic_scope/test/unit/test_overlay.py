@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, List
 from unittest import mock
 
+import numpy
 import pytest
 from bags import BEGIN, write_bag
 from geometry_msgs.msg import PointStamped
@@ -125,6 +126,15 @@ def test_gaps_end_lines(tmp_path: Path) -> None:
     made = recording(overlay, "/old/x/data")
     _, values = made.samples("/old/x/data", 0.0, 1e9)
     assert sum(map(math.isnan, values)) == 1 and made.longest_step("/old/x/data") < 1.0
+
+
+def test_ends_of_lines_do_not_affect_the_longest_step(tmp_path: Path) -> None:
+    times = numpy.cumsum([0, 100, 100, 100, 2000, 200, 200, 2000])
+    messages = [("/x", Float64(1.0), int(time) * 10**6) for time in times]
+    overlay = BagOverlay(write_bag(tmp_path / "gap.bag", messages), "old")
+    (series,) = overlay.read(["/x/data"])
+    assert sum(map(math.isnan, series.values)) == 2
+    assert overlay.longest_step(series) == pytest.approx(5 * 0.2)
 
 
 def test_non_bag_file_is_rejected(tmp_path: Path) -> None:

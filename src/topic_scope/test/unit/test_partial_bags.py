@@ -118,6 +118,9 @@ def test_damaged_chunk_loses_only_its_messages(tmp_path: Path, run: Any, number:
     lost = sorted(set(range(40)) - set(values))
     assert 0 < len(lost) < 20 and (lost[0] == 0) == (number == 0)
     assert lost == list(range(lost[0], lost[-1] + 1))
+    span = ("--start", str(lost[0] / 10), "--end", str(lost[-1] / 10))
+    status, said, _ = run(path, "/x", *span)
+    assert status == 2 and said.startswith(f"plot_bag: {path} is damaged (")
     with Ros1Recording(path) as bag:
         found = first_messages(bag)["/x"].data
     assert found == serialized(Float64(float(lost[-1] + 1 if number == 0 else 0)))
@@ -188,6 +191,19 @@ def test_truncated_message_is_left_out(tmp_path: Path, run: Any) -> None:
     assert written.splitlines()[1:] == rows
 
 
+def test_notes_of_a_recording_are_reported(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", run: Any
+) -> None:
+    def opened(path: str) -> Ros1Recording:
+        bag = Ros1Recording(path)
+        bag.notes.append("1 message cannot be converted")
+        return bag
+
+    monkeypatch.setattr(plot_bag, "open_bag", opened)
+    path = write_bag(tmp_path / "x.bag", [("/x", Float64(1.0), 0)])
+    assert run(path, "/x")[:2] == (1, "plot_bag: 1 message cannot be converted\n")
+
+
 def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> None:
     """All messages of a small bag are in one chunk."""
     path = tmp_path / "x.bag"
@@ -201,6 +217,8 @@ def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> 
         place = data.index(message)  # of /a, which was written first
         data = data[:place] + struct.pack("<I", 2**31) + data[place + 4 :]
     path.write_bytes(data)
+    with Ros1Recording(str(path)) as bag:
+        assert first_messages(bag)["/a"].data == serialized(Float64(1001.5))
     status, _, written = run(str(path), "/b")
     assert status == 0 and [row.split(",")[1] for row in written.splitlines()[1:]] == [
         str(1000.5 + number) for number in range(5)

@@ -262,6 +262,32 @@ def test_late_messages_keep_their_values_beside_formulas(
     call(monkeypatch, bag, "/p/point/x@stamp", "=2 * /p/point/x@stamp", "-o", "out.csv")
     rows = [row.split(",")[1:] for row in Path("out.csv").read_text().splitlines()[1:]]
     assert rows == [[f"{x}.0", f"{2 * x}.0"] for x in range(4)]
+    names = ("/p/point/x@stamp", "/p/point/x@received", "=2 * /p/point/x@stamp")
+    call(monkeypatch, bag, *names, "-o", "out.csv")
+    rows = [row.split(",")[1:] for row in Path("out.csv").read_text().splitlines()[1:]]
+    # Another message at the same time is in another row.
+    assert rows == [
+        ["0.0", "0.0", "0.0"],
+        ["", "2.0", ""],
+        ["1.0", "", "2.0"],
+        ["2.0", "", "4.0"],
+        ["", "1.0", ""],
+        ["3.0", "3.0", "6.0"],
+    ]
+
+
+def test_formula_continues_over_a_delay_of_recording(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    messages: List[Any] = [("/y", Float64(1.0), 150 * 10**6)]
+    for place in (0, 10, 20, 30, 40, 200, 210):
+        message = PointStamped()
+        message.header.stamp = genpy.Time(0, BEGIN + place * 10**6)
+        messages.append(("/p", message, place * 10**6))
+    bag = write_bag(tmp_path / "p.bag", messages)
+    monkeypatch.chdir(tmp_path)
+    call(monkeypatch, bag, "=/y/data + /p/point/x", "-o", "out.csv")
+    assert Path("out.csv").read_text().splitlines()[1:] == ["0.150000000,1.0"]
 
 
 def test_corrections_are_reported(

@@ -184,6 +184,12 @@ def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
         assert first_messages(bag)["/b"].data == serialized(String("x"))
 
 
+def test_earliest_readable_message_is_of_any_publisher(tmp_path: Path) -> None:
+    path = write(tmp_path / "x.bag", [("a", 1100, 10), ("/a", 1200, 0)])
+    with Ros1Recording(path) as bag:
+        assert first_messages(bag)["/a"].data == serialized(String("x" * 1200))
+
+
 def test_relative_names_become_global(tmp_path: Path) -> None:
     with Ros1Recording(
         write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])
@@ -191,6 +197,17 @@ def test_relative_names_become_global(tmp_path: Path) -> None:
         assert list(first_messages(bag)) == ["/a"]
         found = in_order(list(slices(bag, ["/a"])))
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
+
+
+def test_connection_without_messages_is_not_listed(tmp_path: Path) -> None:
+    path = tmp_path / "x.bag"
+    write(path, [("a", 1, 0), ("b", 2, 1)])
+    content = path.read_bytes()
+    counts, other = struct.pack("<IIII", 0, 1, 1, 1), struct.pack("<IIII", 0, 1, 1, 0)
+    assert content.endswith(counts)
+    path.write_bytes(content[: -len(other)] + other)
+    with Ros1Recording(str(path)) as bag:
+        assert list(first_messages(bag)) == ["/a"] and not bag.faults
 
 
 def error_of(path: Path) -> str:
@@ -247,6 +264,36 @@ def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
     place = content.index(b"BZh") + 20
     path.write_bytes(content[:place] + b"\xff" * 64 + content[place + 64 :])
     assert "x.bag is damaged (" in error_of(path)
+
+
+@pytest.mark.parametrize("more", [-1, 1])
+def test_chunk_of_another_size_than_stated_is_damaged(tmp_path: Path, more: int) -> None:
+    path = tmp_path / "x.bag"
+    write(path, [("a", 1, 0)])
+    content = path.read_bytes()
+    place = content.index(b"size=", content.index(b"compression=none") - 40) + len(b"size=")
+    (size,) = struct.unpack_from("<I", content, place)
+    path.write_bytes(content[:place] + struct.pack("<I", size + more) + content[place + 4 :])
+    assert "a chunk does not have the size that it states" in error_of(path)
+
+
+@pytest.mark.parametrize("name", [b"", b"rosbag/AesCbcEncryptor"])
+def test_only_a_bag_with_a_named_encryptor_is_encrypted(tmp_path: Path, name: bytes) -> None:
+    path = tmp_path / "x.bag"
+    write(path, [("a", 1, 0)])
+    content, begin = path.read_bytes(), len(b"#ROSBAG V2.0\n")
+    (length,) = struct.unpack_from("<I", content, begin)
+    end = begin + 4 + length
+    (padding,) = struct.unpack_from("<I", content, end)
+    field = struct.pack("<I", 10 + len(name)) + b"encryptor=" + name
+    head = struct.pack("<I", length + len(field)) + content[begin + 4 : end] + field
+    rest = struct.pack("<I", padding - len(field)) + content[end + 4 + len(field) :]
+    path.write_bytes(content[:begin] + head + rest)
+    if name:
+        assert error_of(path).endswith("x.bag is encrypted; decrypt it by: rosbag decrypt")
+    else:
+        with Ros1Recording(str(path)) as bag:
+            assert len(read(bag, {"/a"}, 0)) == 1
 
 
 @settings(max_examples=30)

@@ -230,6 +230,18 @@ def test_clock_set_back_starts_a_line_if_later_messages_agree(
     assert abs(shown.times - received).max() <= 1 * MS
 
 
+def test_samples_stay_if_a_clock_is_set_again_as_soon_as_it_has_settled() -> None:
+    """The first messages after it was set are late, which is known 2 s later."""
+    received = at_50_hz()
+    own = received - 1000 * NS
+    own[200:] -= 500 * NS
+    own[200:211] -= 600 * MS
+    own[311:] -= 500 * NS
+    _, shown = played(own, received, batch=1)
+    assert shown.gaps == [200, 311]
+    assert shown.times[:200].tolist() == received[:200].tolist()
+
+
 def after_a_pause(late: List[int]) -> Tuple[numpy.ndarray, numpy.ndarray]:
     """Return stamps and receipts at 50 Hz, with a pause of 1 s with late messages [ms] in it."""
     usual = at_50_hz()
@@ -375,6 +387,19 @@ def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float
     # The latest sample is near the present, within the batch length and the tolerance.
     settled = numpy.abs(numpy.array(behind[len(behind) // 2 :])) / NS
     assert settled.max() < 0.25 + 0.05 * speed
+
+
+def test_topic_with_a_chosen_clock_does_not_move_that_clock() -> None:
+    clocks = Clocks()
+    leader, other = Topic(clocks), Topic(clocks)
+    other.time.choose(lambda: leader.time.clock)
+    received = at_50_hz(200)
+    for start in range(0, 200, 5):
+        part = received[start : start + 5]
+        leader.take(part - 5800 * MS, part)
+        other.take(part - 5000 * MS, part)
+    assert other.time.clock is leader.time.clock
+    assert leader.time.clock.offset == 5800 * MS
 
 
 def test_nodes_with_their_own_zero_are_independent() -> None:

@@ -205,7 +205,7 @@ class MaskCheck:
         :returns: how long before the trace the reference ended [s]; None if it has not ended, or
             if all samples are checked
         """
-        left, self._open = len(self._open), self._open[:0]
+        left = len(self._open)
         self.result = self.result._replace(unchecked=self.result.unchecked + left)
         assert sum(self.result[:3]) == self.received, "a sample is counted twice, or not at all"
         return self.ended(samplers) if left else None

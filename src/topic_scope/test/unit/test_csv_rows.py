@@ -52,6 +52,14 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
     assert list(rows([other], both)) == []
 
 
+def test_messages_of_one_time_are_in_the_order_of_receipt() -> None:
+    columns = [
+        CsvColumn(topic, numpy.array([0.0]), numpy.array([received]), [topic])
+        for topic, received in (("/a", 2.0), ("/b", 1.0))
+    ]
+    assert list(rows(columns, both)) == ["0.0,1.0,,/b\n", "0.0,2.0,/a,\n"]
+
+
 def test_indistinguishable_messages_have_a_row_each() -> None:
     """Messages of an overlaid bag have no receipt time of their own."""
     times = numpy.array([5.0, 5.0, 6.0])
@@ -75,5 +83,5 @@ def test_where_a_line_ends_its_last_sample_stays() -> None:
 
 
 def test_a_name_with_a_comma_is_one_cell() -> None:
-    names = ["time", "=atan2(/a, /b)", "/c"]
+    names = ["time", "=atan2(/a, /b)", '"/a-b"/c']
     assert next(csv.reader([header(*names)])) == names

@@ -169,6 +169,7 @@ SENTENCES = {
     "mean(/a, 0)": "mean: the second argument must be a time in s, from 1e-06 to 600",
     "lowpass(/a, 0)": "lowpass: the second argument must be a frequency in Hz, from 0.02 to 1e+06",
     "delay(delay(/a, 600), 1)": "delays, means and filters reach over 601 s: at most 600",
+    "delay(delay(/a, -600), -1)": "delays, means and filters reach over 601 s: at most 600",
     "/a + 2**2**2**2**2**2": "a constant is infinite or not a number",
     "/a + 0/0": "a constant is infinite or not a number",
     "/a + " + "9" * 400: "a constant is infinite or not a number",
@@ -187,6 +188,24 @@ def test_error_texts(text: str) -> None:
     with pytest.raises(FormulaError) as caught:
         parse_formula(text)
     assert str(caught.value) == SENTENCES[text]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "delay(/a, 600)",
+        "-" + "/a*(" * 20 + "1" + ")" * 20,
+        "-" * 24 + "/a",
+        "/a" + " " * (LONGEST - 2),
+        "sin (/a)",
+    ],
+)
+def test_formulas_at_the_limits_are_valid(text: str) -> None:
+    assert parse_formula(text).fields == ("/a",)
+
+
+def test_as_many_tokens_as_the_limit_are_valid() -> None:
+    assert len(tokens_of("-/a" + " + /a" * 49)) == 100
 
 
 ATTACKS = [

@@ -265,7 +265,7 @@ def test_image_that_cannot_be_shown_has_its_time_and_the_reason() -> None:
     with mock.patch("topic_scope.web.image_feed.shown_image", side_effect=problem):
         description, file = scope.reply()
     assert file is None and description["problem"] == "unsupported encoding 'x'"
-    assert description["time"] == pytest.approx(NOW + 1.0)
+    assert description["time"] == pytest.approx(NOW + 1.0, abs=1e-6)
     assert scope.reply()[1] is not None  # the next request succeeds
 
 

@@ -139,6 +139,13 @@ def test_span_lasts_until_another_state_or_a_gap() -> None:
 
 def test_span_at_the_start_keeps_its_own_start() -> None:
     assert spans([1, 1, 2, 2, 3], start=35) == [StateSpan(20, 40, 2), StateSpan(40, None, 3)]
+    assert spans([1, 1, 2], start=20) == [StateSpan(20, None, 2)]
+
+
+def test_spans_are_merged_only_if_they_are_too_many_and_several() -> None:
+    assert len(spans([1, 2, 3], most=3)) == 3
+    alone = [StateSpan(0, 10, 1), StateSpan(10, 50, 2), StateSpan(50, None, 3)]
+    assert spans([1, 2, 2, 2, 2, 3], most=1) == alone
 
 
 def test_many_short_spans_are_merged() -> None:

@@ -41,7 +41,6 @@ def state_spans(
     if not len(times):
         return []
     differs = numbers[1:] != numbers[:-1]
-    differs &= ~(numpy.isnan(numbers[1:]) & numpy.isnan(numbers[:-1]))
     changes = numpy.concatenate([[0], numpy.flatnonzero(differs) + 1])
     first = max(int(times[changes].searchsorted(start, "right")) - 1, 0)
     changes = changes[first:]

@@ -98,7 +98,7 @@ def test_a_signal_is_known_between_its_samples_and_not_beyond_them_or_in_a_gap()
     found = signal.at(array_to_ns(numpy.array([-1.0, 0.0, 0.5, 1.0, 3.0, 5.0, 6.0])))
     assert found[[1, 2, 3, 5]].tolist() == [0.0, 5.0, 10.0, 50.0]
     assert numpy.isnan(found[[0, 4, 6]]).all()
-    assert signal.between(0, NS).times.tolist() == [0, NS]
+    assert signal.between(0, NS).times.tolist() == [0, NS] and signal.between(0, NS).longest == 2.0
     assert delayed(signal, 2 * NS).times.tolist() == [2 * NS, 3 * NS, 7 * NS]
 
 

@@ -204,6 +204,15 @@ def test_formulas_at_the_limits_are_valid(text: str) -> None:
     assert parse_formula(text).fields == ("/a",)
 
 
+@pytest.mark.parametrize("text", ["mean(/p/x, 1)", "lowpass(/p/x, 5)"])
+def test_part_of_a_formula_has_the_values_of_the_whole(text: str) -> None:
+    start, end = 2 * NS, 3 * NS
+    part = parse_formula(text).tree.signal(Operands.of(SIGNALS), start, end).between(start, end)
+    whole = computed(text).between(start, end)
+    assert part.times.tolist() == whole.times.tolist()
+    assert part.values == pytest.approx(whole.values, abs=1e-6)
+
+
 def test_as_many_tokens_as_the_limit_are_valid() -> None:
     assert len(tokens_of("-/a" + " + /a" * 49)) == 100
 

@@ -157,6 +157,15 @@ def test_bunched_samples_do_not_raise_peaks() -> None:
     assert found.amplitudes.max() == pytest.approx(1.0, abs=0.05)
 
 
+def test_sample_at_the_time_of_another_is_left_out() -> None:
+    times = numpy.arange(200) / 100.0
+    values = numpy.sin(2 * math.pi * 5.0 * times)
+    one = spectrum(times, values)
+    other = spectrum(numpy.insert(times, 50, times[49]), numpy.insert(values, 50, values[49]))
+    assert one is not None and other is not None
+    assert other.amplitudes == pytest.approx(one.amplitudes)
+
+
 def test_spectrum_does_not_cross_a_gap() -> None:
     times = numpy.concatenate([numpy.arange(300) / 100.0, 10.0 + numpy.arange(500) / 100.0])
     values = numpy.where(times < 5.0, 100.0, 1.0) * numpy.sin(2 * math.pi * 10.0 * times)

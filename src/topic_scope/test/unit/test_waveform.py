@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from topic_scope.analysis import waves
 from topic_scope.analysis.measurement import Measurement
+from topic_scope.analysis.steps import step_of
 from topic_scope.analysis.waveform import measure_waveform, phase
 
 EPOCH = 1.7e9
@@ -146,3 +147,10 @@ def test_overshoot_uncertainty_includes_quantisation(counts: int) -> None:
             continue
         assert abs(found.value - truth) <= found.uncertainty
         assert 100.0 / counts <= found.uncertainty <= 400.0 / counts + 1.0
+
+
+def test_step_that_ends_shortly_after_it_settles_is_not_measured() -> None:
+    times = numpy.linspace(0.0, 1.0, 1001)
+    assert step_of(times, numpy.clip((times - 0.3) / 0.5, 0.0, 1.0)) == (
+        "the final level is not held for long enough"
+    )

@@ -100,7 +100,6 @@ def averaged(signal: Signal, window: int) -> Signal:
     sums = numpy.concatenate([[0.0], numpy.cumsum(numpy.where(finite, values - middle, 0.0))])
     counts = numpy.concatenate([[0], numpy.cumsum(finite)])
     begin = signal.times.searchsorted(signal.times - window, "right")
-    begin = numpy.minimum(begin, numpy.arange(len(values)))
     count = counts[1:] - counts[begin]
     mean = numpy.full(len(values), numpy.nan)
     numpy.divide(sums[1:] - sums[begin], count, where=count > 0, out=mean)

@@ -26,9 +26,10 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.actions.goal_ids import text_of
-from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT
+from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT, Goal
 from ros2_bridge.actions.states import Ros1Status
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
+from ros2_bridge.types.codec_ops import ConversionError
 
 _UNKNOWN = 42
 #: Later than ROS 2's time [s].
@@ -296,3 +297,28 @@ def test_goal_without_id_and_time_gets_both(ros: both.Both) -> None:
     (first, began, _), (second, stamp, _) = given
     assert began > 0 and first == f"/bridge-1-{began}"
     assert (second, stamp) == ("mine", 7)
+
+
+def test_feedback_that_ros1_cannot_represent_is_not_sent(
+    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+
+    def to_ros1(cdr: bytes) -> bytes:
+        if cdr.endswith(b"late"):
+            raise ConversionError("a time before 1970")
+        return cdr[4:]
+
+    sent: List[Any] = []
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    server._name, server._lock, server._is_offered = "/hand", threading.Lock(), True
+    server._throttle = SimpleNamespace(is_due=lambda _: True)
+    feedback = SimpleNamespace(to_ros1=to_ros1)
+    server.kind = SimpleNamespace(feedback=feedback, raw_feedback=SimpleNamespace)
+    server._feedback1 = SimpleNamespace(publish=sent.append)
+    goal = Goal("mine", bytes(16), 7, 0.0, True)
+    server._goals = SimpleNamespace(under_way=lambda _: goal)
+    server._on_feedback([SimpleNamespace(data=bytes(20) + end) for end in (b"half", b"late")])
+    assert [message._buff[-4:] for message in sent] == [b"half"]
+    assert lines == ["/hand: feedback to ROS 1: a time before 1970"]

@@ -360,6 +360,21 @@ def test_of_several_servers_of_a_service_the_last_by_name_counts() -> None:
         assert graph.services(nodes) == {"/reset": ("std_srvs/srv/Trigger", "/b")}
 
 
+def test_name_of_a_node_in_ros2_is_kept_to_ask_it() -> None:
+    participant: Any = ManyTopics()
+    participant.names = ["/t150"]
+    topic = Ros2Graph(participant, Renaming(["/lab=/"])).topics()["/lab/t150"]
+    assert topic.subscribers == {"/lab/_DDS_"}
+    assert topic.definitions == {(False, "", "INVALID", "/_DDS_")}
+
+
+def test_nodes_without_a_name_in_ros1_are_reported() -> None:
+    participant: Any = ManyTopics()
+    graph = Ros2Graph(participant, Renaming(["/front=/robot"]))
+    assert graph.nodes() == set()
+    assert graph.nameless == {"/front/lidar", "/front/camera"}
+
+
 class TwoPublishers(ManyTopics):
     """Fake graph with a topic of two publishers of others.
 

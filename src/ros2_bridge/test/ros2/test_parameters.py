@@ -5,8 +5,9 @@ import math
 import pathlib
 import queue
 import threading
+from functools import partial
 from types import SimpleNamespace
-from typing import Any, Iterator, List
+from typing import Any, Dict, Iterator, List, cast
 
 import both
 import pytest
@@ -439,13 +440,16 @@ def test_second_change_is_awaited_as_long_as_the_first(monkeypatch: "pytest.Monk
     parameters._lock, parameters._is_reading = threading.Lock(), True
     parameters._server, parameters._again = {"gain": 1}, True
     reads: List[int] = []
-    parameters._publish_changes = lambda: reads.append(1) or {"gain": 2}
 
-    def sleep(_: float) -> None:
-        parameters._again = len(reads) == 2  # another change on the server
+    def read() -> Dict[str, Any]:
+        reads.append(1)
+        if len(reads) == 2:
+            parameters._again = True  # another change on the server, too late for this read
+        return {"gain": 2}
 
+    parameters._publish_changes = read
     monkeypatch.setattr(parameter_services, "_MOST_READS", 3)
-    monkeypatch.setattr(parameter_services, "time", SimpleNamespace(sleep=sleep))
+    monkeypatch.setattr(parameter_services, "time", SimpleNamespace(sleep=lambda _: None))
     parameters._publish_until_in_force()
     assert len(reads) == 2 + 3 and not parameters._is_reading
 
@@ -559,3 +563,20 @@ def test_a_read_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") ->
     for count in (1, 2):
         parameters._publish_soon({})
         wait_until(lambda: len(reads) == count and not parameters._is_reading, lambda: str(reads))
+
+
+def test_services_end_if_changes_cannot_be_followed() -> None:
+    ended: List[str] = []
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise RuntimeError("of ROS 1")
+
+    scope: Any = SimpleNamespace(on_parameter=refuse, close=partial(ended.append, "scope"))
+    participant: Any = SimpleNamespace(
+        create_service=lambda _, __, name, *___: partial(ended.append, name)
+    )
+    node: Any = SimpleNamespace(get_clock=bool)
+    known = ServerParameters(cast(Any, None), "/arm")
+    with pytest.raises(RuntimeError, match="of ROS 1"):
+        ParametersToRos2(scope, participant, node, "/arm", known, ended.append, bool)
+    assert {"scope", "/arm/list_parameters", "/arm/set_parameters"} < set(ended)

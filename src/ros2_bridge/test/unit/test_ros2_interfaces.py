@@ -95,12 +95,16 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
 def test_unsupported_type_is_skipped_with_its_users(text: str, reason: str) -> None:
     packages, left_out = interfaces(
         pkg={"msg/Odd.msg": text, "msg/Good.msg": "int8 x\n", "srv/Ask.srv": "Odd odd\n---\n"},
-        user={"msg/A.msg": "pkg/Odd[] odd\n", "msg/B.msg": "pkg/Good good\n"},
+        pkg_user={"msg/A.msg": "pkg/Odd[] odd\n", "msg/B.msg": "pkg/Good good\n"},
     )
     assert [path for path in packages["pkg"].files if "/" in path] == ["msg/Good.msg"]
-    assert [path for path in packages["user"].files if "/" in path] == ["msg/B.msg"]
+    assert [path for path in packages["pkg_user"].files if "/" in path] == ["msg/B.msg"]
     user = "it uses pkg/Odd, which ROS 2 does not have here"
-    assert left_out == {"pkg/msg/Odd.msg": reason, "pkg/srv/Ask.srv": user, "user/msg/A.msg": user}
+    assert left_out == {
+        "pkg/msg/Odd.msg": reason,
+        "pkg/srv/Ask.srv": user,
+        "pkg_user/msg/A.msg": user,
+    }
 
 
 def test_request_and_response_may_share_field_names() -> None:

@@ -1,16 +1,13 @@
 """Tests of the failures of a controller in a scenario."""
 
-import types
 from unittest import mock
 
 import pytest
 
-from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
+from pid_control.judging.record import ENDED, SILENT, Record
 from pid_control.judging.scenarios import BY_NAME
 from pid_control.runner.failure_detection import BusyDetector, completed, failure_of
 from pid_control.runner.judging_errors import BusyMachineError, JudgingError
-
-TALKATIVE = types.SimpleNamespace(status=None, writes_without_end=True)
 
 
 def test_busy_detector_blames_the_controller_or_the_machine(
@@ -43,26 +40,3 @@ def test_failure_of_a_record_has_the_last_words_and_is_not_replaced() -> None:
     assert completed(answered, process) == answered
     with pytest.raises(JudgingError, match="killed"):
         failure_of(mock.Mock(status=-9))
-
-
-def spending(*times):
-    """Return a detector whose controller has used these processor times [s], one after another."""
-    left = iter(times)
-    return BusyDetector(lambda: next(left))
-
-
-def test_loop_without_a_pause_that_logs_is_restless_whichever_is_seen_first():
-    detector = spending(0.0, 1.0, 3.5)
-    detector.update(False)
-    assert failure_of(TALKATIVE, detector) == ""
-    detector.update(False)
-    assert failure_of(TALKATIVE, detector) == RESTLESS
-
-
-def test_output_without_end_is_named_once_the_controller_rests():
-    detector = spending(0.0, 1.0)
-    detector.update(False)
-    assert failure_of(TALKATIVE, detector) == ""
-    detector.update(True)
-    assert failure_of(TALKATIVE, detector) == WRITES_WITHOUT_END
-    assert failure_of(TALKATIVE) == WRITES_WITHOUT_END

@@ -75,7 +75,7 @@ def test_trial_names_its_busiest_node_and_ends_all(monkeypatch: pytest.MonkeyPat
         process.processor_time.side_effect = times
         trial._running[name] = process
     with pytest.raises(TrialError) as error:
-        trial._check(mock.Mock(is_its_own=lambda: True))
+        trial._check(True)
     assert (error.value.flaw, error.value.node) == ("flood", "/b")
     trial.__exit__(None, None, None)
     for process in trial._running.values():

@@ -161,8 +161,7 @@ class BenchRunner:
             if any(now < zero + at <= self._clock for at in scenario.pauses):
                 pause = clock.pause(experiment.time_at(now), lambda: len(self._bench.pop_inputs()))
                 pauses += [] if pause is None else [pause]
-            failure = failure_of(controller, restless)
-        failure = failure or failure_of(controller)
+            failure = failure_of(controller, restless.is_its_own())
         if isinstance(clock, WallClock):
             self.latest = max(self.latest, clock.latest)
         record = Record(

@@ -34,14 +34,6 @@ class BusyDetector:
         elif self._before is None:
             self._since, self._before = time.monotonic(), self._processor_time()
 
-    @property
-    def is_open(self) -> bool:
-        """Whether the controller has not become idle yet, and may prove to compute without a pause.
-
-        A loop without a pause that logs writes without end too, which is the lesser half of it.
-        """
-        return self._before is not None
-
     def is_its_own(self) -> bool:
         """Return True if the controller computes without a pause.
 
@@ -58,23 +50,20 @@ class BusyDetector:
         return False
 
 
-def failure_of(controller: ProgramProcess, detector: Optional[BusyDetector] = None) -> str:
-    """Return the failure of a controller, empty if none so far.
+def failure_of(controller: ProgramProcess, is_restless: bool = False) -> str:
+    """Return the failure of a controller, empty if none.
 
     :param controller: the controller
-    :param detector: decides whether it computes without a pause; None for a controller that is
-        not waited for
+    :param is_restless: whether it computes without a pause
     :raises JudgingError: if the machine ended it
     """
     if controller.status == _KILLED:
         raise JudgingError("the controller was killed (signal 9), maybe for lack of memory")
     if controller.status is not None:
         return ENDED
-    if detector is not None and detector.is_its_own():
-        return RESTLESS
-    if controller.writes_without_end and not (detector is not None and detector.is_open):
+    if controller.writes_without_end:
         return WRITES_WITHOUT_END
-    return ""
+    return RESTLESS if is_restless else ""
 
 
 def completed(record: Record, controller: ProgramProcess) -> Record:

@@ -7,7 +7,6 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Type
 
 import rospy
 
-from pid_control.judging.record import RESTLESS
 from pid_control.programs.deferred_signals import deferred_signals
 from pid_control.programs.node_queries import NodeTopics
 from pid_control.programs.package_messages import MessageTypeError
@@ -280,7 +279,7 @@ class Trial:
         is_flood = self._bench.pop_count() > _FLOOD
         assert self._restless is not None
         self._restless.update(is_idle and not is_flood)
-        self._check(self._restless)
+        self._check(self._restless.is_its_own())
 
     def publishes_while_paused(self) -> bool:
         """Pause the clock; return True if the nodes publish on: they use the machine's clock.
@@ -321,7 +320,7 @@ class Trial:
                 return
             self._bench.set_clock(self.now)
             time.sleep(STEP_S)
-            self._check()
+            self._check(False)
         if self._is_simulated:
             watch.wait_idle(_CLOCK_S)
 
@@ -337,13 +336,13 @@ class Trial:
                 return
             self.step()
 
-    def _check(self, detector: Optional[BusyDetector] = None) -> None:
+    def _check(self, is_restless: bool) -> None:
         for name, process in self._running.items():
-            failure = failure_of(process, detector)
-            if failure == RESTLESS:  # one of them all
-                raise TrialError("flood", self._busiest())
+            failure = failure_of(process)
             if failure:
                 raise TrialError(failure, name, process.last_words())
+        if is_restless:
+            raise TrialError("flood", self._busiest())
 
     def _busiest(self) -> str:
         """Return the name of the node that uses most processor time."""

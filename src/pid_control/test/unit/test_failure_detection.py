@@ -30,6 +30,24 @@ def test_busy_detector_blames_the_controller_or_the_machine(
         detector.is_its_own()
 
 
+def test_flood_with_idle_moments_is_computing_without_a_pause() -> None:
+    spent = [0.0]
+    detector = BusyDetector(lambda: spent[0])
+    for step in range(200):
+        spent[0] += 0.02
+        detector.update(is_idle=step % 5 > 0, is_flood=step % 25 == 0)
+    assert detector.is_its_own()
+
+
+def test_single_flood_of_a_busy_machine_is_forgotten() -> None:
+    spent = [0.0]
+    detector = BusyDetector(lambda: spent[0])
+    for step in range(200):
+        spent[0] += 0.02
+        detector.update(is_idle=step > 0, is_flood=step == 0)
+    assert not detector.is_its_own()
+
+
 def test_failure_of_a_record_has_the_last_words_and_is_not_replaced() -> None:
     process = mock.Mock()
     process.last_words.return_value = "KeyError: 9"

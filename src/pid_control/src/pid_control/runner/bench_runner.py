@@ -154,7 +154,7 @@ class BenchRunner:
             self._bench.send(experiment.send(now), now)
             self._clock += experiment.step_after(now)
             is_idle, inputs = clock.wait(self._clock - began), self._bench.pop_inputs()
-            restless.update(is_idle and len(inputs) < _FLOOD)
+            restless.update(is_idle, len(inputs) >= _FLOOD)
             for value in inputs:
                 answers.append((experiment.time_at(now), value))
                 experiment.answer(now, value)

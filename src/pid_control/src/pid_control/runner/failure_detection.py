@@ -11,6 +11,9 @@ from pid_control.runner.judging_errors import BusyMachineError, JudgingError
 #: A controller that never rests is restless above this processor time; with less, the machine is
 #: too busy after this time [s].
 _RESTLESS_S, _STARVED_S = 3.0, 30.0
+#: Steps without a flood of messages after which a flood is over. A loop without a pause seems idle
+#: at moments in between, while it waits for this process to take its messages.
+_CALM_STEPS = 50
 #: Exit status of a killed process, as by the kernel without free memory.
 _KILLED = -signal.SIGKILL
 
@@ -26,10 +29,17 @@ class BusyDetector:
         self._since = 0.0
         #: Processor time when the controller was last idle; None if it is idle now.
         self._before: Optional[float] = None
+        #: Steps that remain until the latest flood is over.
+        self._flood_steps = 0
 
-    def update(self, is_idle: bool) -> None:
-        """Record whether the controller became idle in the latest step."""
-        if is_idle:
+    def update(self, is_idle: bool, is_flood: bool = False) -> None:
+        """Record the latest step.
+
+        :param is_idle: whether the controller became idle in it
+        :param is_flood: whether it sent more messages than a loop with a pause can
+        """
+        self._flood_steps = _CALM_STEPS if is_flood else max(self._flood_steps - 1, 0)
+        if is_idle and not self._flood_steps:
             self._before = None
         elif self._before is None:
             self._since, self._before = time.monotonic(), self._processor_time()

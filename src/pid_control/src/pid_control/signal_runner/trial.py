@@ -278,7 +278,7 @@ class Trial:
         is_idle = self._clock.wait(self.now - self._began)
         is_flood = self._bench.pop_count() > _FLOOD
         assert self._restless is not None
-        self._restless.update(is_idle and not is_flood)
+        self._restless.update(is_idle, is_flood)
         self._check(self._restless.is_its_own())
 
     def publishes_while_paused(self) -> bool:

@@ -1,6 +1,8 @@
 """Tests of delivery over real sockets, without ROS, with receivers that do not read."""
 
 import contextlib
+import errno
+import os
 import select
 import socket
 import struct
@@ -756,6 +758,21 @@ def test_report_that_fails_does_not_end_the_background_thread(pairs, caplog):
     assert (link.phase, link.sent, link.lost) == (Phase.ON_PROBATION, 2, 1)
     assert "receiver: delivery failed" in caplog.text
     assert "no report" in caplog.text
+
+
+def test_background_thread_needs_no_free_descriptor(pairs, monkeypatch):
+    def fail(flags):
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    threads = threading.active_count()
+    (first, one), (second, two) = pairs(), pairs()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "pipe2", fail)
+        delivery.deliver(BIG, [RecordingLink(first)])
+        delivery.deliver(BIG, [RecordingLink(second)])
+    for theirs in (two, one):
+        assert receive(theirs, len(BIG)) == BIG
+    wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
 def test_background_thread_that_cannot_be_started_is_started_at_the_next_stall(pairs, monkeypatch):

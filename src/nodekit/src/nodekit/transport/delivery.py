@@ -144,20 +144,23 @@ class _Drain:
         self._lock = threading.Lock()
         self._links: Set[SubscriberConnection] = set()
         self._thread: Optional[threading.Thread] = None
-        #: Ends of a pipe that wakes the thread up; it exists as long as the thread does.
+        #: Ends of a pipe that wakes the thread up; it exists as long as the thread does. -1 without
+        #: a free descriptor: the thread then looks every :data:`DRAIN_PERIOD_S`.
         self._wake_out = self._wake_in = -1
 
     def watch(self, links: List[SubscriberConnection]) -> None:
         with self._lock:
             self._links.update(links)
-            if self._thread is not None:
+            if self._thread is None:
+                if self._links:
+                    self._start()
+            elif self._wake_in >= 0:
                 with contextlib.suppress(BlockingIOError):  # the pipe is full: it wakes up anyway
                     os.write(self._wake_in, b"1")
-            elif self._links:
-                self._start()
 
     def _open_pipe(self) -> None:
-        self._wake_out, self._wake_in = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        with contextlib.suppress(OSError):
+            self._wake_out, self._wake_in = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
 
     def _start(self) -> None:
         thread = threading.Thread(target=self._run, name="drain", daemon=True)
@@ -170,8 +173,10 @@ class _Drain:
         self._thread = thread
 
     def _close_pipe(self) -> None:
-        os.close(self._wake_out)
-        os.close(self._wake_in)
+        if self._wake_in >= 0:
+            os.close(self._wake_out)
+            os.close(self._wake_in)
+            self._wake_out = self._wake_in = -1
 
     def _run(self) -> None:
         while True:
@@ -207,7 +212,8 @@ class _Drain:
     def _writable(self, links: List[SubscriberConnection]) -> List[SubscriberConnection]:
         """Wait for the stalled links; return those that may be writable."""
         poller = select.poll()
-        poller.register(self._wake_out, select.POLLIN)
+        if self._wake_out >= 0:
+            poller.register(self._wake_out, select.POLLIN)
         polled: Dict[int, SubscriberConnection] = {}
         for link in links:
             descriptor, events = link.awaited()

@@ -141,9 +141,10 @@ def test_controller_that_sends_without_a_pause_is_never_idle(
     monkeypatch.setattr(bench_runner, "BusyDetector", lambda _: detector)
     detector.is_its_own.side_effect = [False, True]
     rig = BenchRig(monkeypatch)
-    rig.bench.pop_inputs.return_value = [0.0] * 500
+    rig.clock.wait.return_value = False
+    rig.bench.pop_inputs.side_effect = [[], [0.0] * bench_runner._FLOOD, [0.0]]
     assert rig.run().failure == RESTLESS
-    assert detector.update.call_args_list == [mock.call(False)] * 2
+    assert detector.update.call_args_list == [mock.call(False, True), mock.call(False, False)]
 
 
 def test_lateness_of_the_judge_is_that_of_its_worst_scenario(

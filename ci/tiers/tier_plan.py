@@ -18,14 +18,16 @@ CODESPELL = str(WORKSPACE / "build" / "lint" / "bin" / "codespell")
 TEMPLATE = SOURCES / "nodekit" / "template" / "package_name"
 #: Folders of ci/tests with tests that build whole workspaces, in separate tiers.
 SPACES = CI / "tests" / "spaces"
-#: A package's rostest files are run by several steps if they take longer than this [s].
+#: Test files of a package are run by several steps if they take longer than this [s].
 LANE_S = 60.0
-#: Largest number of such steps of a package.
+#: Largest number of such steps of a package's rostest files.
 LANES = 3
+#: Largest number of steps of the tests with ROS 2, which mostly wait.
+ROS2_LANES = 4
 #: Marker of unit tests that belong to the tier of this name, and its form in a file.
 EXTENDED = "extended"
 MARK = f"pytest.mark.{EXTENDED}"
-#: Assumed duration of a rostest file that has not been run yet [s].
+#: Assumed duration of a test file that has not been run yet [s].
 UNKNOWN_S = 10.0
 #: Step that creates the environment in which tests with ROS 2 run.
 ENVIRONMENT = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
@@ -181,10 +183,17 @@ def rostest_steps(tier: str, names: Optional[Set[str]], times: Times) -> List[St
     return steps
 
 
-def share_out(files: List[pathlib.Path], times: Times) -> List[List[pathlib.Path]]:
-    """Divide files among the fewest steps that each take less than LANE_S, the longest first."""
+def share_out(
+    files: List[pathlib.Path], times: Times, most: int = LANES
+) -> List[List[pathlib.Path]]:
+    """Divide files among the fewest steps that each take less than LANE_S, the longest first.
+
+    :param files: test files
+    :param times: times of earlier runs
+    :param most: largest number of steps
+    """
     known = {file: times.wall(str(file.relative_to(WORKSPACE)), UNKNOWN_S) for file in files}
-    count = min(LANES, len(files), 1 + int(sum(known.values()) / LANE_S))
+    count = min(most, len(files), 1 + int(sum(known.values()) / LANE_S))
     lanes: List[List[pathlib.Path]] = [[] for _ in range(count)]
     for file in sorted(files, key=lambda one: (-known[one], one)):
         min(lanes, key=lambda lane: sum(known[one] for one in lane)).append(file)
@@ -206,34 +215,36 @@ def declared_time(test: pathlib.Path) -> float:
     return sum(float(node.get("time-limit", "60")) for node in nodes)
 
 
-def ros2() -> List[Step]:
+def ros2(times: Times) -> List[Step]:
     """Return the steps that create an environment with ROS 2, and test the bridge in it.
 
     Tests of ROS 2 recordings need PyPI, but not this environment.
+
+    :param times: times of earlier runs
     """
     steps = [ENVIRONMENT]
-    for place in sorted(SOURCES.glob("*/test/ros2")):
-        for marked in ("shared_bridge", "not shared_bridge"):
-            step = ros2_step(place, name=marked.replace("_", " "), after=ENVIRONMENT.name)
-            step.command.extend(["-m", marked])
-            steps.append(step)
+    files = sorted(SOURCES.glob("*/test/ros2/test_*.py"))
+    lanes = share_out(files, times, ROS2_LANES)
+    for number, lane in enumerate(lanes, 1):
+        name = f"clients {number}/{len(lanes)}"
+        steps.append(ros2_step(*lane, name=name, after=ENVIRONMENT.name))
     places = sorted(SOURCES.glob("*/test/recordings"))
     return [*steps, pytest_step("ros2", "recordings", *places)]
 
 
-def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = "") -> Step:
+def ros2_step(*places: pathlib.Path, test: str = "", name: str = "", after: str = "") -> Step:
     """Return the step that runs tests with ROS 2.
 
     They run with the Python of build/ros2, with pytest and rospy from Debian's folder.
 
-    :param place: a file or a folder
+    :param places: test files
     :param test: the only test of the file to run
-    :param name: name of the step, if not the file's
+    :param name: name of the step, if not the first file's
     :param after: the step that must run first
     """
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
-    step = pytest_step("ros2", name or place.stem, place, test=test, time_limit=1200.0)
+    step = pytest_step("ros2", name or places[0].stem, *places, test=test, time_limit=1200.0)
     python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
     command = ["env", path, python, *step.command[1:]]
     return dataclasses.replace(step, command=command, after=after)
@@ -252,7 +263,7 @@ def single(place: pathlib.Path, test: str) -> List[Step]:
     elif place.suffix == ".test":
         return [rostest_step(folder, place.stem, [place], test)]
     elif folder == "ros2":
-        return [ENVIRONMENT, ros2_step(place, test, after=ENVIRONMENT.name)]
+        return [ENVIRONMENT, ros2_step(place, test=test, after=ENVIRONMENT.name)]
     elif place.suffix == ".py" and place.name.startswith("test_"):
         return [pytest_step("unit", place.stem, place, test=test)]
     raise UnknownWord(f"'{place}' is not a test file, or no .test file names it")
@@ -293,6 +304,6 @@ def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = ""
         "catkin_build": catkin_build,
         "integration": lambda: rostest_steps(tier, names, times),
         "extended": lambda: extended(names, times),
-        "ros2": ros2,
+        "ros2": lambda: ros2(times),
     }
     return makers[tier]()

@@ -33,3 +33,21 @@ def test_a_single_test_with_ros2_waits_for_the_environment() -> None:
     environment, test = tier_plan.single(pathlib.Path("a/test/ros2/test_some.py"), "test_one")
     assert environment.command[0].endswith("ci/ros2")
     assert (test.tier, test.after) == (environment.tier, environment.name)
+
+
+def test_tests_with_ros2_are_divided_by_their_durations(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    folder = tmp_path / "one" / "test" / "ros2"
+    folder.mkdir(parents=True)
+    times = Times(tmp_path / "times.json")
+    for name, seconds in ("a", 90.0), ("b", 40.0), ("c", 45.0), ("d", 30.0), ("e", 5.0):
+        (folder / f"test_{name}.py").write_text("")
+        times.add(f"one/test/ros2/test_{name}.py", seconds, 0.0)
+    for name in "SOURCES", "WORKSPACE":
+        monkeypatch.setattr(tier_plan, name, tmp_path)
+    environment, *steps, recordings = tier_plan.ros2(times)
+    assert [step.name for step in steps] == [f"clients {number}/4" for number in range(1, 5)]
+    files = [[one[-4] for one in step.command if one.endswith(".py")] for step in steps]
+    assert sorted(map(sorted, files)) == [["a"], ["b"], ["c"], ["d", "e"]]
+    assert {step.after for step in steps} == {environment.name} and not recordings.after

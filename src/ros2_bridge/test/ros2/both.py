@@ -182,7 +182,8 @@ def settings_restored(ros: Both, bridge: Bridge) -> Iterator[None]:
 
 
 def end_shared_bridge() -> None:
-    """End the bridge that modules share, if it runs."""
+    """End the bridge that modules share, if it runs, and forget its settings."""
     while _shared:
         with _shared.pop():
             pass  # which ends it
+        rospy.delete_param(NAME)

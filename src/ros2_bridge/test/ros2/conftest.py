@@ -3,8 +3,11 @@
 Run by ``./ci/test ros2``, with the Python that has ROS 2 and ROS 1's packages in PYTHONPATH.
 """
 
+import collections
+import json
 import os
-from typing import Iterator, List
+import pathlib
+from typing import Dict, Iterator, List, Set
 
 import pytest
 from domains import own_domain
@@ -23,24 +26,33 @@ import both  # noqa: E402  (what it imports is ROS 2's from here on)
 _FIRST = "test_answers"
 #: Kills the master, which forgets all that this process has registered.
 _LAST = "test_life"
+#: Modules that use the shared bridge.
+_sharing: Set[str] = set()
+#: Duration of each module [s], for the next division of the modules among parallel sessions.
+_durations: Dict[str, float] = collections.defaultdict(float)
 
 
-def pytest_configure(config: "pytest.Config") -> None:
-    """Register the mark by which the modules can be run in two parallel sessions."""
-    config.addinivalue_line("markers", "shared_bridge: of a module that uses the shared bridge")
+def pytest_runtest_logreport(report: "pytest.TestReport") -> None:
+    """Add the duration of a test, of its fixtures' setup or of their teardown."""
+    _durations[report.nodeid.partition("::")[0]] += report.duration
 
 
-@pytest.hookimpl(tryfirst=True)  # before -m is looked at
+def pytest_sessionfinish(session: "pytest.Session") -> None:
+    """Write the durations beside the results, as ``./ci/test`` reads them."""
+    results = session.config.getoption("xmlpath")
+    if results:
+        pathlib.Path(results).with_name("places.json").write_text(json.dumps(_durations), "utf-8")
+
+
 def pytest_collection_modifyitems(items: "List[pytest.Item]") -> None:
     """Run modules that share a bridge one after the other, so that it starts only once."""
-    sharing = {item.path.stem for item in items if "bridge" in getattr(item, "fixturenames", ())}
-    for item in items:
-        if item.path.stem in sharing:
-            item.add_marker("shared_bridge")
+    _sharing.update(
+        item.path.stem for item in items if "bridge" in getattr(item, "fixturenames", ())
+    )
 
     def rank(item: "pytest.Item") -> int:
         name = item.path.stem
-        return 0 if name == _FIRST else 3 if name == _LAST else 1 if name in sharing else 2
+        return 0 if name == _FIRST else 3 if name == _LAST else 1 if name in _sharing else 2
 
     items.sort(key=rank)
 
@@ -50,6 +62,13 @@ def ros() -> Iterator["both.Both"]:
     """Return a master, and a node of the tests in either ROS; all modules share them."""
     with both.Both() as made:
         yield made
+
+
+@pytest.fixture(scope="module", autouse=True)
+def shared_only_if_used(request: "pytest.FixtureRequest") -> None:
+    """End the bridge that modules share before a module without it."""
+    if request.path.stem not in _sharing:
+        both.end_shared_bridge()
 
 
 @pytest.fixture(scope="module")

@@ -166,6 +166,8 @@ def test_conversion_error_gives_reason() -> None:
         codec.to_ros1(b"\0\0\0\0\1")
     with pytest.raises(ConversionError, match="9 bytes announced, 1 left"):
         Codec("pkg/a", parse("pkg/a", "string x")).to_cdr(b"\x09\0\0\0x")
+    with pytest.raises(ConversionError, match="2 elements announced, 7 bytes left"):
+        Codec("pkg/a", parse("pkg/a", "string[] x")).to_cdr(b"\2\0\0\0" + bytes(7))
 
 
 def test_empty_message_has_one_byte_in_ros2() -> None:

@@ -35,9 +35,9 @@ def test_fields_of_an_action_belong_to_its_parts():
 
 
 def test_renamed_package_keeps_the_names_of_its_types():
-    rules = MappingRules([{"ros1": "acme_msgs", "ros2": "acme_interfaces"}])
-    assert rules.ros2_name("msg", "acme_msgs/Arm") == "acme_interfaces/Arm"
-    assert rules.ros1_name("msg", "acme_interfaces/Arm") == "acme_msgs/Arm"
+    rules = MappingRules([{"ros1": "acme2_msgs", "ros2": "acme_interfaces"}])
+    assert rules.ros2_name("msg", "acme2_msgs/Arm") == "acme_interfaces/Arm"
+    assert rules.ros1_name("msg", "acme_interfaces/Arm") == "acme2_msgs/Arm"
     assert rules.own == []
 
 

@@ -118,7 +118,7 @@ def test_folder_that_cannot_be_written_to_is_named(
 def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:
     ours = PythonEnvironment(place)
     place.with_name("ros2_twins").mkdir()
-    noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
+    noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo error: bye; exit 1"
     with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
         ours.run(["sh", "-c", noise], 10.0, "no wheels")
     with pytest.raises(Unavailable, match="no wheels: killed"):

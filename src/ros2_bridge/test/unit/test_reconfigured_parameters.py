@@ -93,6 +93,15 @@ def test_values_of_node_and_server_are_read(node: Node, parameters: Reconfigured
     assert [found[name].kind for name in ("gain", "mode", "names")] == [DOUBLE, INTEGER, STRINGS]
 
 
+def test_described_parameters_without_values_are_not_there_yet(node: Node) -> None:
+    scope: Any = node
+    parameters = ReconfiguredParameters(scope, "/camera", scope)
+    node.callbacks["/camera/parameter_descriptions"](DESCRIPTION)
+    assert sorted(parameters.read()) == ["names", "use_sim_time"]
+    node.callbacks["/camera/parameter_updates"](Config(ints=[IntParameter("mode", 2)]))
+    assert sorted(parameters.read()) == ["mode", "names", "use_sim_time"]
+
+
 @pytest.mark.parametrize(
     ("name", "value", "reason"),
     [
@@ -127,7 +136,7 @@ def test_each_value_goes_to_the_node_or_to_the_server(
     (sent,) = node.sent
     assert (sent.doubles, sent.ints) == ([DoubleParameter("gain", 2.0)], [IntParameter("mode", 2)])
     assert (sent.bools, sent.strs) == ([BoolParameter("on", True)], [])
-    assert node.server["/camera/names"] == ["b"]
+    assert (node.server["/camera/names"], len(node.server)) == (["b"], 2)
     found = parameters.read()  # before the node publishes its update
     assert [found[name].value for name in ("gain", "mode", "on")] == [1.5, 2, True]
     assert parameters.caution(["gain", "names"]).startswith(

@@ -14,7 +14,7 @@ class Master:
     STATE = [
         [["/chatter", ["/talker", "/bridge"]], ["/own", ["/bridge"]]],
         [["/chatter", ["/listener"]]],
-        [["/reset", ["/plant"]], ["/bridge/x", ["/bridge"]]],
+        [["/reset", ["/plant", "/observer"]], ["/bridge/x", ["/bridge"]]],
     ]
 
     def request(self, calls: List[Any]) -> List[Any]:
@@ -32,8 +32,8 @@ def test_graph_of_other_nodes() -> None:
     graph = read_graph(client, {"/bridge"})
     assert graph.publishers == {"/chatter": {"/talker"}}
     assert graph.subscribers == {"/chatter": {"/listener"}}
-    assert (graph.services, graph.master_pid) == ({"/reset": "/plant"}, 7)
-    assert graph.nodes() == {"/talker", "/listener", "/plant"}
+    assert (graph.services, graph.master_pid) == ({"/reset": "/observer"}, 7)
+    assert graph.nodes() == {"/talker", "/listener", "/observer"}
 
 
 def test_the_age_of_the_master_does_not_matter() -> None:

@@ -76,6 +76,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
 def test_service_keeps_the_line_between_request_and_answer() -> None:
     twin = twins_of({"srv/Ask.srv": "bool enable\n---\nstring message\n"})
     assert twin.files["srv/Ask.srv"] == "bool enable\n---\nstring message\n"
+    assert '"srv/Ask.srv"' in twin.files["CMakeLists.txt"]  # which builds it
 
 
 @pytest.mark.parametrize(
@@ -85,6 +86,7 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
         ("int32 a__b\n", "a__b is not a valid name of a field or constant in ROS 2"),
         ("int32 default\n", "default is not a valid name of a field or constant in ROS 2"),
         ("int32 lambda\n", "lambda is not a valid name of a field or constant in ROS 2"),
+        ("int32 nullptr\n", "nullptr is not a valid name of a field or constant in ROS 2"),
         ("int32 long\n", "long is not a valid name of a field or constant in ROS 2"),
         ("int32 X\nint32 x\n", "X and x are both x in ROS 2"),
         ("int32 FOO=1\nint32 foo=2\n", "FOO and foo are both FOO in ROS 2"),

@@ -44,6 +44,22 @@ def test_ros1_transitions_are_valid_in_ros2() -> None:
             assert nearest(ROS2_TRANSITIONS, TO_ROS2[before], wanted) in wanted, (before, after)
 
 
+@pytest.mark.parametrize(
+    "before, after",  # as in actionlib's description of the server's states
+    [
+        *[(P, A), (P, R), (P, Ros1Status.RECALLED), (P, Ros1Status.REJECTED)],
+        *[(R, Ros1Status.PREEMPTING), (R, Ros1Status.RECALLED), (R, Ros1Status.REJECTED)],
+        *[(A, Ros1Status.PREEMPTING), (A, Ros1Status.PREEMPTED)],
+        *[(A, Ros1Status.SUCCEEDED), (A, Ros1Status.ABORTED)],
+        *[(Ros1Status.PREEMPTING, Ros1Status.PREEMPTED)],
+        *[(Ros1Status.PREEMPTING, Ros1Status.SUCCEEDED)],
+        *[(Ros1Status.PREEMPTING, Ros1Status.ABORTED)],
+    ],
+)
+def test_transitions_of_actionlib(before: Ros1Status, after: Ros1Status) -> None:
+    assert nearest(ROS1_TRANSITIONS, before, [after]) == after  # in one step
+
+
 def test_ros2_transitions_are_valid_in_ros1() -> None:
     assert ROS2_TRANSITIONS
     for before, afters in ROS2_TRANSITIONS.items():

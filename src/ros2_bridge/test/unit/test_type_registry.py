@@ -22,11 +22,13 @@ ROS1 = {
     "arm_pair": "signal_msg first\nArm[] all\n",
     "signal_msg": "int16 y\n",
     "imu_data": "int16 z\n",
+    "Hands": "int16 z\nArm one\n",
 }
 ROS2 = {
     "acme_msgs/Arm": {"left": "int16", "right": "int16"},
     "acme_msgs/Arms": {"one": "acme_msgs/Arm", "all": "sequence<acme_msgs/Arm>"},
     "acme_msgs/Range": {"x": "int16", "variance": "int16"},
+    "acme_msgs/Hands": {"z": "int16", "one": "other_msgs/Limb"},
     "other_msgs/Limb": {"left": "int16", "right": "int16"},
     "other_msgs/Arm": {"left": "int16", "right": "int16"},
     "other_msgs/ArmPair": {"first": "other_msgs/SignalMsg", "all": "sequence<other_msgs/Arm>"},
@@ -101,6 +103,25 @@ def test_rule_for_another_type_leaves_the_type_that_contains_its_namesake(
     data = struct.pack("<hhIhh", 1, 2, 1, 3, 4)
     kind = types_.message("acme_msgs/Arms")
     assert kind.codec.to_cdr(data) == registry([]).message("acme_msgs/Arms").codec.to_cdr(data)
+
+
+def test_rule_for_another_type_holds_inside_a_type_with_that_in_ros2(
+    registry: Callable[..., Any],
+) -> None:
+    data = struct.pack("<hhh", 1, 2, 3)
+    codec = registry([{**LIMB, "fields": CROSSED}]).message("acme_msgs/Hands").codec
+    assert codec.to_cdr(data)[4:] == struct.pack("<hhh", 1, 3, 2)
+
+
+def test_rule_takes_precedence_over_the_name_that_make_environment_gave(
+    registry: Callable[..., Any], tmp_path: pathlib.Path
+) -> None:
+    names = tmp_path / "share" / "ros2_bridge" / "names.yaml"
+    names.write_text("{acme_msgs/Arm: other_msgs/Arm, acme_msgs/imu_data: other_msgs/IMUData}")
+    types_ = registry([LIMB])
+    assert types_.ros2_name("msg", "acme_msgs/Arm") == "other_msgs/Limb"
+    assert types_.ros2_name("msg", "acme_msgs/imu_data") == "other_msgs/IMUData"
+    assert types_.ros2_name("msg", "acme_msgs/arm_pair") == "acme_msgs/ArmPair"
 
 
 def test_ros2_type_whose_namesake_has_another_counterpart_is_not_bridged(

@@ -23,12 +23,14 @@ ROS1 = {
     "signal_msg": "int16 y\n",
     "imu_data": "int16 z\n",
     "Hands": "int16 z\nArm one\n",
+    "Scan": "Range one\nint16 seq\n",
 }
 ROS2 = {
     "acme_msgs/Arm": {"left": "int16", "right": "int16"},
     "acme_msgs/Arms": {"one": "acme_msgs/Arm", "all": "sequence<acme_msgs/Arm>"},
     "acme_msgs/Range": {"x": "int16", "variance": "int16"},
     "acme_msgs/Hands": {"z": "int16", "one": "other_msgs/Limb"},
+    "acme_msgs/Scan": {"one": "acme_msgs/Range"},
     "other_msgs/Limb": {"left": "int16", "right": "int16"},
     "other_msgs/Arm": {"left": "int16", "right": "int16"},
     "other_msgs/ArmPair": {"first": "other_msgs/SignalMsg", "all": "sequence<other_msgs/Arm>"},
@@ -204,6 +206,29 @@ def test_draft_for_a_type_with_a_rule_of_the_bridge_replaces_that_rule(
 ) -> None:
     draft = registry().draft("acme_msgs/Range", "acme_msgs/msg/Range")
     assert draft["left_out"] == {"ros1": [], "ros2": ["variance"]}
+
+
+def test_draft_leaves_out_no_field_that_a_rule_of_the_bridge_assigns(
+    registry: Callable[..., Any],
+) -> None:
+    draft = registry().draft("acme_msgs/Scan", "acme_msgs/msg/Scan")
+    assert draft["left_out"] == {"ros1": ["seq"], "ros2": []}
+
+
+def test_draft_for_a_service_has_the_fields_of_both_parts(
+    registry: Callable[..., Any], monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    folder = tmp_path / "src" / "acme_msgs" / "srv"
+    folder.mkdir()
+    (folder / "Ask.srv").write_text("int16 x\nint16 old\n---\nint16 y\n")
+    parts = {"Request": {"x": "int16"}, "Response": {"y": "int16", "new": "int16"}}
+    ask = types.SimpleNamespace(**{
+        part: new_class("acme_msgs", f"Ask_{part}", fields) for part, fields in parts.items()
+    })
+    monkeypatch.setitem(sys.modules, "acme_msgs.srv", new_module("acme_msgs.srv"))
+    monkeypatch.setattr(sys.modules["acme_msgs.srv"], "Ask", ask, raising=False)
+    draft = registry().draft("acme_msgs/Ask", "acme_msgs/srv/Ask")
+    assert draft["left_out"] == {"ros1": ["request.old"], "ros2": ["response.new"]}
 
 
 def test_draft_for_packages_or_without_a_ros2_type_is_refused(

@@ -168,6 +168,8 @@ def test_conversion_error_gives_reason() -> None:
         Codec("pkg/a", parse("pkg/a", "string x")).to_cdr(b"\x09\0\0\0x")
     with pytest.raises(ConversionError, match="2 elements announced, 7 bytes left"):
         Codec("pkg/a", parse("pkg/a", "string[] x")).to_cdr(b"\2\0\0\0" + bytes(7))
+    with pytest.raises(ConversionError, match="8 elements announced, 7 bytes left"):
+        Codec("pkg/a", parse("pkg/a", "string[] x")).to_ros1(b"\0\1\0\0\x08\0\0\0" + bytes(7))
 
 
 def test_empty_message_has_one_byte_in_ros2() -> None:
@@ -188,6 +190,12 @@ def test_seq_is_that_of_the_topic() -> None:
     mapping = FieldMapping("a/L", plain, "b/L", stamped, rules, lambda _: bytes(24))
     mapped, data = MappedCodec(Codec("b/L", stamped), mapping, plain, "a/L"), struct.pack("<d", 2.5)
     assert mapped.to_ros1(mapped.to_cdr(data), 7) == data
+    ours = parse("a/M", "Header header\nfloat64 y" + HEADER)
+    rules = {"a/M": FieldRules("b/L", {"y": "x"})}
+    mapping = FieldMapping("a/M", ours, "b/L", stamped, rules, lambda _: b"")
+    mapped = MappedCodec(Codec("b/L", stamped), mapping, ours, "a/M")
+    data = struct.pack("<IIIId", 9, 1, 2, 0, 2.5)
+    assert mapped.to_ros1(mapped.to_cdr(data), 2**32 + 9) == data
 
 
 @pytest.mark.parametrize(

@@ -221,6 +221,11 @@ def test_arrays_of_a_fixed_length_are_part_of_each_message():
     several, end = struct.pack("<I", 2) + bytes(range(10)), b"\x7f"
     assert converter.to_second(several + end) == end + several
     assert converter.to_first(end + several) == several + end
+    first = messages("a/C:D[2] all | a/D:int8 x,int8 z")
+    second = messages("b/C:D[2] all | b/D:int8 z,int8 y")
+    rules = {"a/D": FieldRules("b/D", {"x": "y"})}
+    converter = FieldMapping("a/C", first, "b/C", second, rules, default)
+    assert converter.to_second(b"\1\2\3\4") == converter.to_first(b"\1\2\3\4") == b"\2\1\4\3"
 
 
 def test_each_of_several_messages_without_fields_gets_its_defaults():

@@ -121,6 +121,7 @@ def test_rule_for_a_package_replaces_those_that_are_built_in_for_its_types():
         ([{**RANGE, "fields": ["x"]}], "fields: ['x'] is not a mapping of texts"),
         ([{**RANGE, "fields": {"x": 3}}], "fields: {'x': 3} is not a mapping of texts"),
         ([{**RANGE, "left_out": ["x"]}], "left_out: ['x'] has other keys than ros1, ros2"),
+        ([{**RANGE, "left_out": ["ros1"]}], "left_out: ['ros1'] has other keys than ros1, ros2"),
         ([{**RANGE, "left_out": {"ros3": []}}], "has other keys than ros1, ros2"),
         ([{**RANGE, "left_out": {"ros2": "x"}}], "left_out: {'ros2': 'x'} has no lists of texts"),
         ([{**MOVE, "fields": {"pose": "goal.pose"}}], "pose does not begin with goal, result"),

@@ -93,6 +93,12 @@ def test_changes_of_a_node_are_registered_once(
     master.addresses.clear()
     registrar.register({"/robot": set()}, set(), True)  # the master was restarted
     assert [call[1] for call in master.calls] == ["registerSubscriber"]
+    master.calls.clear()
+    registrar.register({}, set(), False)
+    assert [call[1:3] for call in master.calls] == [("unregisterSubscriber", EVENTS)]
+    assert not registrar.names
+    registrar.close()
+    assert calls(ODOM) == set()
 
 
 def test_name_of_a_ros1_node_is_left_to_it(master: FakeMaster, registrar: NodeRegistrar) -> None:

@@ -122,3 +122,4 @@ def test_goals_are_meant_by_id_and_by_time(wanted: str, until: int, meant: "list
     assert [
         one for one in stamps if matches_cancel_request(one, stamps[one], wanted, until)
     ] == meant
+    assert not matches_cancel_request("in simulated time", 0, "x", 0)

@@ -222,9 +222,9 @@ def test_draft_for_a_service_has_the_fields_of_both_parts(
     folder.mkdir()
     (folder / "Ask.srv").write_text("int16 x\nint16 old\n---\nint16 y\n")
     parts = {"Request": {"x": "int16"}, "Response": {"y": "int16", "new": "int16"}}
-    ask = types.SimpleNamespace(**{
-        part: new_class("acme_msgs", f"Ask_{part}", fields) for part, fields in parts.items()
-    })
+    ask = types.SimpleNamespace(
+        **{part: new_class("acme_msgs", f"Ask_{part}", fields) for part, fields in parts.items()}
+    )
     monkeypatch.setitem(sys.modules, "acme_msgs.srv", new_module("acme_msgs.srv"))
     monkeypatch.setattr(sys.modules["acme_msgs.srv"], "Ask", ask, raising=False)
     draft = registry().draft("acme_msgs/Ask", "acme_msgs/srv/Ask")

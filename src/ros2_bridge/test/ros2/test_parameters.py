@@ -528,6 +528,18 @@ def test_rejected_values_are_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch
     assert mirror._values == {"gain": 3, "tau": 2} and len(written) == 1
 
 
+def test_whole_numbers_of_the_server_are_sent_as_doubles() -> None:
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._values = {"gain": 1.0, "gains": [1.0, 2.0], "count": 1, "name": "left"}
+    mirror._kinds = {"gain": DOUBLE, "gains": DOUBLES, "count": INTEGER, "name": STRING}
+    sent: List[str] = []
+    mirror._send = lambda name, plain: sent.append(f"{name} {plain!r}") or ""
+    mirror._send_changes({"gain": 2, "gains": [3, 4], "count": 2})
+    assert sent == ["gain 2.0", "gains [3.0, 4.0]", "count 2"]
+    mirror._send_changes({"gain": 2, "gains": [3, 4], "count": 2})
+    assert len(sent) == 3
+
+
 @pytest.mark.parametrize(
     "nonsense, kind", [("x", INTEGER), ([5], STRINGS), ([], STRING), (5, BYTES)]
 )
@@ -563,6 +575,26 @@ def test_a_read_that_fails_is_not_the_last(monkeypatch: "pytest.MonkeyPatch") ->
     for count in (1, 2):
         parameters._publish_soon({})
         wait_until(lambda: len(reads) == count and not parameters._is_reading, lambda: str(reads))
+
+
+def test_unreadable_parameters_are_logged_once(monkeypatch: "pytest.MonkeyPatch") -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    parameters._parameters = SimpleNamespace(name="/arm")
+    parameters._throttle = parameter_services.Throttle(10.0)
+    ended = threading.Semaphore(0)
+
+    def answer(request: Any) -> Any:
+        ended.release()
+        raise parameter_services.UnreadableParameters("no answer")
+
+    before = threading.active_count()
+    for _ in range(3):
+        parameters._beside(answer)(None, lines.append)
+        assert ended.acquire(timeout=10.0)
+    wait_until(lambda: threading.active_count() == before, lambda: "a thread is left")
+    assert lines == ["cannot read the parameters of /arm: no answer"]
 
 
 def test_services_end_if_changes_cannot_be_followed() -> None:

@@ -90,9 +90,8 @@ class ParametersToRos2:
         def work(request: Any, send: Callable[[Any], None]) -> None:
             try:
                 send(answer(request))
-            except (
-                UnreadableParameters
-            ) as error:  # a ROS 2 service cannot report an error: no response
+            except UnreadableParameters as error:
+                # A ROS 2 service cannot report an error: no response.
                 if self._throttle.is_due():
                     rospy.logwarn(f"cannot read the parameters of {self._parameters.name}: {error}")
 

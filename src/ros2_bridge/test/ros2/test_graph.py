@@ -414,7 +414,10 @@ def test_log_line_of_ros1_is_the_same_in_ros2() -> None:
     header = Header(stamp=rospy.Time(5, 7))
     line = Ros1Log(header, Ros1Log.ERROR, "/lab/arm", "it sticks", "arm.cpp", "move", 3, [])
     Rosout(cast(Any, None), participant, Renaming(["/lab=/"]))._forward(line)
-    (log,) = sent
+    line.level = 3  # which ROS 1 does not have
+    Rosout(cast(Any, None), participant, Renaming())._forward(line)
+    log, other = sent
+    assert (other.level, other.name) == (Log.INFO, "lab.arm")
     assert (log.stamp.sec, log.stamp.nanosec, log.level) == (5, 7, Log.ERROR)
     assert (log.name, log.msg, log.file) == ("arm", "it sticks", "arm.cpp")
     assert (log.function, log.line) == ("move", 3)

@@ -406,7 +406,7 @@ def test_events_name_new_changed_and_deleted_parameters() -> None:
     )
     parameters._clock = SimpleNamespace(now=lambda: SimpleNamespace(to_msg=lambda: Time(sec=5)))
     parameters._known, parameters._is_known = {}, False
-    for values in ({"a": 1, "b": 1}, {"a": 1, "b": 1}, {"b": 2, "c": 1}):
+    for values in ({"a": 1, "b": 1}, {"a": 1, "b": 1}, {"b": 2, "c": 1}, {"b": 2, "c": 1}):
         known = {name: Known(plain, INTEGER, None) for name, plain in values.items()}
         parameters._parameters = SimpleNamespace(read=lambda known=known: known)
         assert parameters._publish_changes() == values

@@ -1,7 +1,11 @@
 """Statuses for /diagnostics and the table of the bridge's health."""
 
+import sys
 from typing import Dict, Sequence
 
+import pytest
+
+from ros2_bridge.commands import report
 from ros2_bridge.health.reports import ERROR, OK, WARN, BridgeHealth, is_well, statuses, table
 from ros2_bridge.health.topic_health import TopicCounts, TopicHealth
 from ros2_bridge.rules.selection import Route
@@ -115,3 +119,14 @@ def test_table_without_messages_has_no_columns() -> None:
     lines = table("/b", health({Route("/idle", True): IDLE}, trouble="no master")).splitlines()
     assert lines[0].startswith("/b: ERROR no master; topics to ROS 2 1,")
     assert lines[1:] == ["topics without messages: 1"]
+
+
+@pytest.mark.parametrize("given", ["--topics", "/scan"])
+def test_report_refuses_arguments_that_it_does_not_know(
+    given: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["report", "__ns:=lab", given])
+    with pytest.raises(SystemExit) as ended:
+        report.main()
+    assert ended.value.code == 2
+    assert f"unrecognized arguments: {given}" in capsys.readouterr().err

@@ -133,6 +133,21 @@ def test_undrawable_log_is_reported(
     assert [path.name for path in tmp_path.iterdir()] == ["a.log"]
 
 
+def test_interrupted_command_has_the_status_of_a_shell(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    class Terminal(io.StringIO):
+        """Standard input whose user presses Ctrl-C."""
+
+        def __next__(self) -> str:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys, "stdin", Terminal())
+    with pytest.raises(SystemExit) as ended:
+        run(monkeypatch, "-o", str(tmp_path / "picture.svg"))
+    assert ended.value.code == 130 and not list(tmp_path.iterdir())
+
+
 def test_missing_matplotlib_is_reported_with_package(
     log: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:

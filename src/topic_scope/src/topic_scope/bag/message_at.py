@@ -47,4 +47,4 @@ class MessageFinder:
         output = numpy.concatenate(distinct_times([part.times for part in parts], 0))
         messages = [message for part in parts for message in part.messages]
         place = int(numpy.where(output <= time, output, 0).argmax())
-        return messages[place] if output[place] <= time else None
+        return messages[place]

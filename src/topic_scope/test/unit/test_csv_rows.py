@@ -62,12 +62,12 @@ def test_messages_of_one_time_are_in_the_order_of_receipt() -> None:
 
 def test_indistinguishable_messages_have_a_row_each() -> None:
     """Messages of an overlaid bag have no receipt time of their own."""
-    times = numpy.array([5.0, 5.0, 6.0])
+    times = numpy.array([5.0, 5.0, 5.0, 6.0])
     columns = [
-        CsvColumn("/a", times, times, ["1", "2", "3"]),
-        CsvColumn("/a", times[1:], times[1:], ["8", "9"]),
+        CsvColumn("/a", times, times, ["1", "2", "3", "4"]),
+        CsvColumn("/a", times[2:], times[2:], ["8", "9"]),
     ]
-    expected = ["5.0,5.0,1,8\n", "5.0,5.0,2,\n", "6.0,6.0,3,9\n"]
+    expected = ["5.0,5.0,1,8\n", "5.0,5.0,2,\n", "5.0,5.0,3,\n", "6.0,6.0,4,9\n"]
     assert list(rows(columns, both)) == expected
 
 

@@ -67,6 +67,13 @@ def test_described_parameter_without_a_value_is_left_out() -> None:
     ]
 
 
+def test_parameter_of_an_unknown_type_is_left_out() -> None:
+    unknown = description()
+    unknown.groups[0].parameters[0].type = "matrix"
+    names = [one["name"] for one in described(unknown, config_of(VALUES))]
+    assert names == ["count", "on", "mode"]
+
+
 def test_reply_to_a_change_names_the_values_that_the_node_chose(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:

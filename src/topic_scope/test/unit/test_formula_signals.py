@@ -82,6 +82,8 @@ def test_mean_ignores_nan() -> None:
     found = averaged(sampled(times, values), 2 * NS).values - 1e9
     assert found[[0, 1, 3, 4]] == pytest.approx([0.0, 1.0, 4.0, 2.0], abs=1e-6)
     assert math.isnan(found[2])
+    with numpy.errstate(all="raise"):
+        assert math.isnan(averaged(sampled(times[:1], values[2:3]), NS).values[0])
 
 
 def test_a_slope_is_in_the_middle_of_two_samples_and_not_across_a_gap() -> None:

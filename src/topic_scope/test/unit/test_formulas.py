@@ -170,6 +170,7 @@ SENTENCES = {
     "lowpass(/a, 0)": "lowpass: the second argument must be a frequency in Hz, from 0.02 to 1e+06",
     "delay(delay(/a, 600), 1)": "delays, means and filters reach over 601 s: at most 600",
     "delay(delay(/a, -600), -1)": "delays, means and filters reach over 601 s: at most 600",
+    "highest(delay(/a, -599), 2)": "delays, means and filters reach over 601 s: at most 600",
     "/a + 2**2**2**2**2**2": "a constant is infinite or not a number",
     "/a + 0/0": "a constant is infinite or not a number",
     "/a + " + "9" * 400: "a constant is infinite or not a number",
@@ -204,7 +205,18 @@ def test_formulas_at_the_limits_are_valid(text: str) -> None:
     assert parse_formula(text).fields == ("/a",)
 
 
-@pytest.mark.parametrize("text", ["mean(/p/x, 1)", "lowpass(/p/x, 5)"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "mean(/p/x, 1)",
+        "lowpass(/p/x, 5)",
+        "delay(/p/x, 0.3)",
+        "delay(/p/x, -0.3)",
+        "/p/x - delay(/p/y, 0.3)",
+        "/p/x - derivative(/p/y)",
+        "/p/x - highest(/p/y, 0.3)",
+    ],
+)
 def test_part_of_a_formula_has_the_values_of_the_whole(text: str) -> None:
     start, end = 2 * NS, 3 * NS
     part = parse_formula(text).tree.signal(Operands.of(SIGNALS), start, end).between(start, end)
@@ -304,6 +316,7 @@ FRAGMENTS = st.lists(
 @example("(" * 500)
 @example("-" * 499 + "1")
 @example("9" * 500)
+@example("-/a*.5**sqrt(/b/c[0])")
 @settings(max_examples=80, deadline=None)
 def test_any_text_is_parsed_or_rejected_and_only_listed_nodes_are_used(text: str) -> None:
     try:
@@ -311,12 +324,12 @@ def test_any_text_is_parsed_or_rejected_and_only_listed_nodes_are_used(text: str
     except FieldError as error:
         assert str(error)
         return
-    plain = "".join("_f" if word.kind == "field" else word.text for word in formula.words)
+    plain = "".join("_f" if word.kind == "field" else word.text for word in formula.tokens)
     node_types = {type(node) for node in ast.walk(ast.parse(plain, mode="eval"))}
     allowed = {ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant}
     assert node_types <= allowed | set(parser._OPERATIONS)
     again = parse_formula(formula.text())
-    assert again.words == formula.words and again.fields == formula.fields
+    assert again.tokens == formula.tokens and again.fields == formula.fields
 
 
 def test_the_costliest_formula_is_computed_in_bounded_time() -> None:
@@ -337,6 +350,7 @@ def test_names_of_formulas_are_written_in_one_way() -> None:
     assert expand("=/a/x-2*/b/y") == ["=/a/x - 2 * /b/y"]
     assert expand(" = ( /a.derivative@stamp )/-2 ** -1") == ["=(/a.derivative@stamp) / -2**-1"]
     assert expand("=deg(atan2(/p/y,/p/x))") == ["=deg(atan2(/p/y, /p/x))"]
+    assert expand("=max(/a/x,-1)") == ["=max(/a/x, -1)"]
     assert terms("=/a/x - 2 * /b[arm-1]/y + /a/x") == ("/a/x", "/b[arm-1]/y")
     assert terms("/a/x-/b/y") == ("/a/x", "/b/y") and terms("/a/x.yaw") == ("/a/x.yaw",)
     assert formula_of("/a/x") is None
@@ -360,6 +374,8 @@ def test_letters_are_replaced_by_traces_and_formulas() -> None:
         with_letters("=a", [])
     with pytest.raises(FormulaError, match="there is a"):
         with_letters("=b", ["/s/y"])
+    with pytest.raises(FormulaError, match="there are a to z"):
+        with_letters("=B", ["/s/y"] * 30)
 
 
 @settings(max_examples=30)

@@ -1,14 +1,17 @@
 """Responses to pages before the scope is ready."""
 
+import asyncio
 import errno
+import gc
 from typing import Any, Dict, List
 from unittest import mock
 
 import pytest
+from tornado.websocket import WebSocketClosedError
 
 from topic_scope.protocol.options import parse
 from topic_scope.web import handlers
-from topic_scope.web.http_server import PlaceholderScope
+from topic_scope.web.http_server import HttpServer, PlaceholderScope
 
 URI = "http://localhost:11311"
 SENTENCE = f"There is no ROS master at {URI} yet: the scope waits for it."
@@ -36,6 +39,31 @@ def test_missing_master_is_reported_only_once_known() -> None:
     assert early.texts == ["", SENTENCE]
     assert late.texts == [SENTENCE]
     assert gone.texts == [""]
+
+
+def test_failed_start_is_reported_instead_of_waited_for(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(handlers, "serve", mock.Mock(side_effect=OSError("no sockets")))
+    with pytest.raises(OSError, match="no sockets"):
+        HttpServer(parse([]), [])
+
+
+def test_message_to_a_page_that_is_closed_meanwhile_is_no_error() -> None:
+    problems: List[Any] = []
+
+    async def send() -> None:
+        loop = asyncio.get_event_loop()
+        loop.set_exception_handler(lambda _, problem: problems.append(problem))
+        written = loop.create_future()
+        page = mock.Mock(**{"write_message.return_value": written})
+        handlers.PageSocket.send(page, [{"type": "alive"}])
+        written.set_exception(WebSocketClosedError())
+        await asyncio.sleep(0)
+
+    asyncio.run(send())
+    gc.collect()  # a future reports an exception that was never retrieved when it is freed
+    assert problems == []
 
 
 def test_next_port_is_tried_only_if_one_is_taken(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -162,6 +162,8 @@ def test_image_of_another_clock_is_placed_like_a_trace(converted: List[Tuple[int
     assert file is not None and file.data == b"\1"
     assert description["time"] == pytest.approx(times[1], abs=1e-6)
     assert description["correction"] == "stamps of another clock: shown at reception"
+    text = "no image at this time: the first is 0.25 s after it"
+    assert scope.text(float(times[0]) - 0.25) == text
 
 
 def test_image_is_found_by_its_own_time() -> None:

@@ -183,9 +183,9 @@ def test_chart_interpolates_its_slow_horizontal_trace_and_follows_the_selection(
     view.select(["/y"])
     feed = charts.ChartFeed(Chart("xy", "/x"))
 
-    def update() -> Any:
+    def update(now: float = 1010.0) -> Any:
         return feed.update(
-            1010.0,
+            now,
             lambda name, *_: (times[name], times[name] - 1000.0),
             {"/x": 5.0, "/y": 0.5, "/z": 0.5}.__getitem__,
             view,
@@ -195,3 +195,5 @@ def test_chart_interpolates_its_slow_horizontal_trace_and_follows_the_selection(
     assert update() is None
     view.select(["/y", "/z"])
     assert list(update()["traces"]) == ["/y", "/z"]
+    assert update(1010.0 + LATE_S) is None
+    assert update(1010.0 + LATE_S + 0.1) is not None  # with the late samples of its span

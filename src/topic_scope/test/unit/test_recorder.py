@@ -307,6 +307,15 @@ def test_the_number_of_fields_that_are_listed_is_limited() -> None:
     assert len(listed) == recorder.LISTED == 5000
 
 
+def test_log_and_status_topics_are_listed_last() -> None:
+    made = recording(FakeSource())
+    types = ["rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics", "dynamic_reconfigure/Config"]
+    topics = {f"/{number}": one for number, one in enumerate([*types, "std_msgs/Float32"])}
+    made.set_topics(topics)
+    order = list(dict.fromkeys(choice.topic for choice in made.choices()))
+    assert order == ["/3", "/0", "/1", "/2"]
+
+
 def test_number_of_topics_subscribed_for_their_type_is_limited() -> None:
     source = FakeSource()
     made = recording(source)

@@ -56,6 +56,11 @@ class PageSocket:
     def send(self, messages: List[Dict[str, Any]]) -> None:
         self.sent += messages
 
+    async def has_sent(self, message: Dict[str, Any], count: int) -> None:
+        """Wait until it has sent a message several times."""
+        while self.sent.count(message) < count:
+            await asyncio.sleep(0.001)
+
 
 @pytest.fixture
 def source() -> DataSource:
@@ -115,6 +120,26 @@ def test_idle_session_sends_alive_to_ready_pages_only(session: ScopeSession) -> 
     busy.is_ready = False
     session.frames.send_alive()
     assert (reading.sent, busy.sent) == ([{"type": "alive"}], [])
+
+
+def test_alive_messages_are_repeated_without_frames(
+    session: ScopeSession, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr("topic_scope.web.frame_sender.ALIVE_S", 0.001)
+    socket, loop = PageSocket(session), asyncio.get_event_loop()
+    session.frames.start()
+    loop.run_until_complete(asyncio.wait_for(socket.has_sent({"type": "alive"}, 2), 30.0))
+
+
+def test_message_replaces_only_an_unread_one_about_its_subject(session: ScopeSession) -> None:
+    session.on_topics({})
+    socket = PageSocket(session)
+    sent_to(session, socket)
+    for node, value in (("/a", 1), ("/b", 2), ("/a", 3)):
+        session.send_to_pages({"type": "parameter", "value": value}, node)
+    session.frames.send()
+    values = [one["value"] for one in socket.sent if one["type"] == "parameter"]
+    assert values == [2, 3]
 
 
 def test_hello_message_has_protocol_version(session: ScopeSession) -> None:

@@ -343,6 +343,17 @@ def test_picture_has_a_band_with_texts(bag: str, monkeypatch: "pytest.MonkeyPatc
     assert Path("out.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_only_short_spans_are_merged_in_a_picture(tmp_path: Path) -> None:
+    """Each second of the first 1100 has another state, and the last state is long."""
+    messages = [("/mode", String(f"{n % 7}"), n * 10**9) for n in range(1100)]
+    messages += [("/mode", String("at rest"), n * 10**9) for n in range(1100, 2200)]
+    with open_bag(write_bag(tmp_path / "x.bag", messages)) as opened:
+        lines, readers = chosen(opened, first_messages(opened), ["/mode/data"])
+        band = draw(series_of(opened, lines, readers, slices(opened, ["/mode"]))).axes[-1]
+    assert [text.get_text() for text in band.texts] == ["at rest"]
+    assert len(band.patches) > 400
+
+
 def test_alignment_by_a_state_is_rejected(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:

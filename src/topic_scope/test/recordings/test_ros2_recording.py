@@ -141,6 +141,42 @@ def test_folder_need_not_say_what_is_in_its_files(tmp_path: Path) -> None:
     metadata.unlink()
     with open_bag(str(path)) as bag:
         assert told_of(bag) == whole
+    stored = Path(written.write(tmp_path / "stored", written.messages(), "SQLITE3"))
+    (stored / "metadata.yaml").unlink()
+    with open_bag(str(stored)) as bag:
+        assert told_of(bag) == whole
+
+
+def test_settings_of_another_recording_do_not_apply_to_a_file(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4)))
+    (file,) = path.glob("*.mcap")
+    other = path / "other.mcap"
+    other.write_bytes(file.read_bytes())
+    with open_bag(str(file)) as bag:
+        whole = told_of(bag)
+    metadata = path / "metadata.yaml"
+    metadata.write_text(
+        re.sub("compression_mode: .*", "compression_mode: FILE", metadata.read_text())
+    )
+    with pytest.raises(BagError, match="its files are compressed"):
+        open_bag(str(file))
+    with open_bag(str(other)) as bag:
+        assert told_of(bag) == whole
+
+
+def test_compression_is_read_in_any_case_and_must_be_known(tmp_path: Path) -> None:
+    """ROS 2 writes the mode in capital letters."""
+    path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3", "MESSAGE"))
+    metadata = path / "metadata.yaml"
+    with open_bag(str(path)) as bag:
+        whole = told_of(bag)
+    text = re.sub("compression_mode: .*", "compression_mode: MESSAGE", metadata.read_text())
+    metadata.write_text(text)
+    with open_bag(str(path)) as bag:
+        assert told_of(bag) == whole
+    metadata.write_text(re.sub("compression_format: .*", "compression_format: lz4", text))
+    with pytest.raises(BagError, match="its files are compressed by lz4"):
+        open_bag(str(path))
 
 
 def test_bad_definition_affects_only_its_topic(tmp_path: Path) -> None:
@@ -191,6 +227,69 @@ def test_type_without_a_definition_is_the_standard_type(tmp_path: Path) -> None:
         assert bag.faults == {
             "/odd": f"its definition cannot be read: the recording has no definition of {ODD}"
         }
+
+
+def test_topics_of_a_file_are_named_or_rejected_one_by_one(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
+    (file,) = path.glob("*.db3")
+    with sqlite3.connect(str(file)) as database:
+        database.execute("UPDATE topics SET name = 'x' WHERE name = '/x'")
+        database.execute("UPDATE topics SET serialization_format = 'json' WHERE name = '/odd'")
+        rare = "SELECT id FROM topics WHERE name = '/rare'"
+        database.execute(f"DELETE FROM messages WHERE topic_id = ({rare})")
+    with open_bag(str(file)) as bag:
+        assert list(first_messages(bag)) == ["/x"] and len(told_of(bag)["/x"]) == 4
+        text = "its definition cannot be read: its messages are in json, not CDR"
+        assert bag.faults == {"/odd": text}  # and /rare is not in it
+
+
+DEFINITION = f"""\
+char A=1
+char B=2
+char kind
+int32 C=3
+int32 x
+int32 y
+a/Inner one
+a/Inner[2] class
+{"=" * 80}
+MSG: a/Inner
+float64[<=3] values
+"""
+
+
+def test_definition_in_ros1_has_constants_where_their_field_is_sure() -> None:
+    assert Ros2Type("a/msg/B", "MSG", DEFINITION, "humble").definition == (
+        "uint8 A=1\nuint8 B=2\nuint8 kind\nint32 x\nint32 y\na/Inner one\na/Inner[2] class\n"
+        f"{'=' * 80}\nMSG: a/Inner\nfloat64[] values\n"
+    )
+
+
+@pytest.mark.parametrize("language", ["NONE", "MSG"])
+def test_standard_type_is_that_of_the_distribution(language: str) -> None:
+    name = "geometry_msgs/msg/VelocityStamped"  # new after Humble
+    assert "frame_id" in Ros2Type(name, language, "", "jazzy").definition
+    for distribution in ("humble", "unknown"):
+        with pytest.raises(TypeProblem, match="the recording has no definition of geometry_msgs"):
+            Ros2Type(name, language, "", distribution)
+
+
+def open_files(folder: Path) -> List[str]:
+    """Return the files in a folder that this process has open."""
+    links = [f"/proc/self/fd/{number}" for number in os.listdir("/proc/self/fd")]
+    return [one for one in map(os.path.realpath, links) if one.startswith(f"{folder}/")]
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+def test_closed_or_rejected_recording_leaves_no_file_open(tmp_path: Path, storage: str) -> None:
+    path = written.write(tmp_path / "run", written.messages(4), storage)
+    bag = open_bag(path)
+    assert open_files(tmp_path)
+    bag.close()
+    assert not open_files(tmp_path)
+    with pytest.raises(BagError) as caught:
+        open_bag(written.write(tmp_path / "empty", [], storage))
+    assert str(caught.value) and not open_files(tmp_path)
 
 
 def test_calls_of_services_are_named_as_that() -> None:
@@ -251,12 +350,15 @@ def test_first_message_that_does_not_fit_is_left_out(tmp_path: Path) -> None:
 
 def test_file_that_the_metadata_does_not_name_is_read_too(tmp_path: Path) -> None:
     sent = written.messages()
-    path = written.write(tmp_path / "run", sent[:10])
-    later = written.write(tmp_path / "later", sent[10:])
-    (file,) = Path(later).glob("*.mcap")
+    with open_bag(written.write(tmp_path / "whole", sent)) as bag:
+        whole = told_of(bag)
+    path = written.write(tmp_path / "run", sent[10:])
+    earlier = written.write(tmp_path / "earlier", sent[:10])
+    (file,) = Path(earlier).glob("*.mcap")
     file.rename(Path(path) / "run_1.mcap")
     with open_bag(path) as bag:
         assert bag.count(["/x", "/odd", "/rare"]) == len(sent)
+        assert told_of(bag) == whole  # in time order
 
 
 CODE = '__import__("os").environ.__setitem__("EXECUTED", "1")'

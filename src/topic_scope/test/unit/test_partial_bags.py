@@ -181,14 +181,18 @@ def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) 
 
 def test_truncated_message_is_left_out(tmp_path: Path, run: Any) -> None:
     with rosbag.Bag("x.bag", "w") as bag:
-        for number, data in enumerate([b"\0" * 8, b"\0\0", b"\0" * 8]):
+        for number, data in enumerate([b"\0" * 8, b"\0\0", b"\0", b"\0" * 8]):
             raw = (Float64._type, data, Float64._md5sum, Float64)
             bag.write("/x", raw, genpy.Time(1 + number), raw=True)
     status, said, written = run("x.bag", "/x", "=2*/x/data")
     assert status == 1
-    assert said == "plot_bag: /x/data: 1 message cut off: left out\n"
-    rows = ["0.000000000,0.0,0.0", "1.000000000,,", "2.000000000,0.0,0.0"]
+    assert said == "plot_bag: /x/data: 2 messages cut off: left out\n"
+    rows = ["0.000000000,0.0,0.0", "1.000000000,,", "2.000000000,,", "3.000000000,0.0,0.0"]
     assert written.splitlines()[1:] == rows
+    with Ros1Recording("x.bag") as bag:
+        lines, readers = chosen(bag, first_messages(bag), ["/x"])
+        series_of(bag, lines, readers, slices(bag, ["/x"]))
+    assert readers[0].cut_off == "2 messages cut off: left out"
 
 
 def test_notes_of_a_recording_are_reported(

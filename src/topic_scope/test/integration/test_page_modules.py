@@ -41,6 +41,22 @@ class Modules(BrowserTest):
             step = f"{ticks[1]['v'] - ticks[0]['v']:.3e}"
             self.assertIn(step[:5], ("1.000", "2.000", "5.000"), ticks)
 
+    def test_steps_are_the_next_round_numbers(self) -> None:
+        steps = {
+            0.3: 0.5,
+            1.0: 1.0,
+            1.01: 2.0,
+            2.1: 5.0,
+            3.5: 5.0,
+            4.0: 5.0,
+            5.01: 10.0,
+            40.0: 50.0,
+        }
+        found = self.browser.call("base/numbers.js", "a[0].map(module.niceStep)", list(steps))
+        for step, expected in zip(found, steps.values()):
+            self.assertAlmostEqual(step, expected)
+        self.assertEqual(len(found), len(steps))
+
     def test_figures_have_five_digits(self) -> None:
         cases = {
             0.0: "0.0000",
@@ -173,10 +189,14 @@ class Modules(BrowserTest):
               input.value = "5";
               input.dispatchEvent(new Event("change"));
               document.getElementById("axes").close();
-              return document.getElementById("notice").textContent;
+              const said = document.getElementById("notice").textContent;
+              input.value = "wide";
+              input.dispatchEvent(new Event("change"));
+              return [said, document.querySelector("[aria-label='left axis, from']").value];
             })()""",
         )
-        self.assertEqual(said, "The left axis cannot go from 5 to 1: its range is automatic.")
+        text = "The left axis cannot go from 5 to 1: its range is automatic."
+        self.assertEqual(said, [text, "5"])  # an invalid number is replaced by the last valid one
 
     def test_set_end_of_an_axis_acts_wherever_the_samples_are(self) -> None:
         cases = [
@@ -387,12 +407,15 @@ class Modules(BrowserTest):
           const go = (x) => trails.add([{ topic: "/odom", x, y: 0 }]);
           [0, 0.01, 0.1, 0.2, 5, 5.1].forEach(go);
           const lines = trails.of("/odom").map((line) => line.map(([x]) => x));
+          for (const y of [0, 0.1, 0.2]) trails.add([{ topic: "/side", x: 0, y }]);
+          const side = trails.of("/side").map((line) => line.map(([, y]) => y));
           for (let n = 0; n < 12000; n += 1) go(5.1 + 0.03 * n);
           const count = trails.of("/odom").reduce((sum, line) => sum + line.length, 0);
-          return { lines, count, others: trails.of("/other").length };
+          return { lines, side, count, others: trails.of("/other").length };
         })()"""
         reply = self.browser.call("robots/trails.js", code)
         self.assertEqual(reply["lines"], [[0, 0.1, 0.2], [5, 5.1]])
+        self.assertEqual(reply["side"], [[0, 0.1, 0.2]])
         self.assertLessEqual(reply["count"], 5001)
         self.assertEqual(reply["others"], 0)
 
@@ -512,7 +535,8 @@ class Modules(BrowserTest):
 
     def test_range_grows_immediately_and_shrinks_later(self) -> None:
         steps = [[-1, 1, 0], [-1, 3, 0.1], [-0.1, 0.1, 0.2], [-0.1, 0.1, 1.0], [-0.1, 0.1, 5.0]]
-        first, grown, waiting, still, shrunk = self.browser.call(
+        steps.append([-0.02, 0.02, 5.1])
+        first, grown, waiting, still, shrunk, again = self.browser.call(
             "base/numbers.js",
             "(() => { const range = new module.AutoRange();"
             " return a[0].map((step) => range.update(...step)); })()",
@@ -522,6 +546,7 @@ class Modules(BrowserTest):
         self.assertTrue(3 < grown[1] <= 4, grown)
         self.assertEqual([waiting, still], [grown, grown])
         self.assertTrue(0.1 < shrunk[1] < 0.2, shrunk)
+        self.assertEqual(again, shrunk)
 
     def test_end_of_a_line_is_nan(self) -> None:
         frame = {"now": 10, "bin": 1, "reset": True, "first": 5}
@@ -741,6 +766,27 @@ class Modules(BrowserTest):
         )
         self.assertEqual(times, [None, 10, 10, 11])
 
+    def test_held_sweep_is_released_by_another_scale_only(self) -> None:
+        position, held = self.browser.call(
+            "state/sweep.js",
+            """await (async () => {
+              const { State } = await import("/static/js/state/store.js");
+              const state = new State();
+              const { position } = state.values.trigger;
+              const sweep = new module.Sweep(state);
+              state.set({ fields: ["/a"] });
+              const plain = { gain: 1, offset: 0 };
+              const higher = { gain: 2, offset: 0 };
+              const held = [plain, higher, { ...higher, dash: "dotted" }].map((one) => {
+                sweep.held = {};
+                state.set({ traces: new Map([["/a", one]]) });
+                return sweep.held !== null;
+              });
+              return [position, held];
+            })()""",
+        )
+        self.assertEqual((position, held), (0.5, [True, False, True]))
+
     def test_late_image_of_another_topic_is_not_shown(self) -> None:
         shown = self.browser.call(
             "measure/images.js",
@@ -802,24 +848,301 @@ class Modules(BrowserTest):
         self.assertEqual(offered, ["=/a * 2"])
 
     def test_two_fingers_zoom_until_one_is_lifted_or_cancelled(self) -> None:
-        counts = self.browser.call(
+        found = self.browser.call(
             "base/pointers.js",
-            """a[0].map((end) => {
+            """a[0].map(([end, places]) => {
               const element = document.createElement("div");
-              let count = 0;
-              module.startTwoFingers(element, () => { count += 1; });
-              const touch = (type, pointerId, clientX) => element.dispatchEvent(
-                new PointerEvent(type, { pointerId, clientX, pointerType: "touch" }));
-              touch("pointerdown", 1, 0);
-              touch("pointerdown", 2, 100);
-              touch("pointermove", 2, 150);
-              touch(end, 2, 150);
-              touch("pointermove", 1, 50);
-              return count;
+              const found = [];
+              module.startTwoFingers(element, ({ factor, x, y, across, upright }) =>
+                found.push([factor, x, y, across, upright]));
+              const touch = (type, pointerId, clientX, clientY) => element.dispatchEvent(
+                new PointerEvent(type, { pointerId, clientX, clientY, pointerType: "touch" }));
+              touch("pointerdown", 1, ...places[0]);
+              touch("pointerdown", 2, ...places[1]);
+              touch("pointermove", 2, ...places[2]);
+              touch(end, 2, ...places[2]);
+              touch("pointermove", 1, 50, 0);
+              return found;
             })""",
-            ["pointerup", "pointercancel"],
+            [
+                ("pointerup", [(0, 0), (100, 20), (150, 20)]),
+                ("pointercancel", [(100, 20), (0, 0), (-50, 0)]),
+                ("pointerup", [(0, 100), (10, 20), (10, 60)]),
+            ],
         )
-        self.assertEqual(counts, [1, 1])
+        self.assertEqual(
+            found,
+            [
+                [[1.5, 75, 10, 25, False]],
+                [[1.5, 25, 10, -25, False]],
+                [[0.5, 5, 80, 0, True]],
+            ],
+        )
+
+    def test_one_turn_of_a_wheel_zooms_by_a_limited_factor(self) -> None:
+        factors = self.browser.call(
+            "base/pointers.js",
+            "a[0].map(([deltaMode, deltaY]) => module.wheelFactor({ deltaMode, deltaY }))",
+            [(0, 100), (0, 300), (0, 9000), (0, -9000), (1, 1), (0, 33)],
+        )
+        small, most, huge, back, lines, pixels = factors
+        self.assertTrue(1.0 < small < most, factors)
+        self.assertEqual((huge, lines), (most, pixels))  # a line is 33 pixels
+        self.assertAlmostEqual(back * most, 1.0)
+
+    def test_two_fingers_above_each_other_zoom_the_values_alone(self) -> None:
+        changes = self.browser.call(
+            "plot/gestures.js",
+            """(() => {
+              const stage = document.createElement("div");
+              stage.setPointerCapture = () => {};
+              const changes = [];
+              const note = (name) => (...values) => changes.push([name, ...values]);
+              const view = { state: { values: { fields: ["/a"], traces: new Map(), end: 1,
+                axes: { x: {}, y: {}, y2: {} }, right: new Set() } },
+                zoomX: note("zoomX"), zoomY: note("zoomY"),
+                panX: note("panX"), panY: note("panY") };
+              const plot = { number: 1, at: () => ({ across: 0.5, up: 0.25 }),
+                area: { w: 100, h: 50 } };
+              const plots = { under: () => plot, plotOf: () => plot, area: { w: 100, h: 200 } };
+              module.startGestures(stage, plots, view);
+              const touch = (type, pointerId, clientX, clientY) => stage.dispatchEvent(
+                new PointerEvent(type, { pointerId, clientX, clientY, pointerType: "touch" }));
+              touch("pointerdown", 1, 0, 0);
+              touch("pointerdown", 2, 0, 50);
+              touch("pointermove", 2, 0, 100);
+              const mouse = (type, clientY) => stage.dispatchEvent(
+                new PointerEvent(type, { clientY, shiftKey: true, pointerType: "mouse" }));
+              mouse("pointerdown", 0);
+              mouse("pointermove", 25);
+              return changes;
+            })()""",
+        )
+        names = {name for name, *_ in changes}
+        self.assertEqual(names, {"zoomY", "panY"})
+        zoomed = [rest for name, *rest in changes if name == "zoomY"]
+        self.assertEqual({(factor, up) for _, factor, up in zoomed}, {(0.5, 0.25)})
+        # Half of the height of its own plot, not of all plots.
+        moved = [rest for name, *rest in changes if name == "panY"]
+        self.assertEqual({part for _, part in moved}, {0.5})
+
+    def test_stacked_plots_share_widths_and_limit_values(self) -> None:
+        widths, values, seen = self.browser.call(
+            "plot/stack.js",
+            """(() => {
+              const { widths, valueAt, draw } = module.Plots.prototype;
+              const list = [
+                { onlyRight: false, hasRight: true, widths: { y: 20, y2: 70 } },
+                { onlyRight: true, hasRight: true, widths: { y: 90, y2: 30 } },
+                { onlyRight: false, hasRight: false, widths: { y: 40, y2: 95 } },
+              ];
+              const lower = { range: () => [10, 20], spanOf: () => ({ low: 0, high: 0.5 }) };
+              const seen = [];
+              const plots = { list: [], isArranged: true, shown: "before",
+                listeners: [() => seen.push(plots.shown)] };
+              draw.call(plots, "now");
+              return [widths.call({ list }),
+                [-1, 0, 0.25, 0.5, 0.9].map((place) => valueAt.call(lower, "y", place)), seen];
+            })()""",
+        )
+        self.assertEqual(widths, {"y": 40, "y2": 70})
+        self.assertEqual(values, [10, 10, 15, 20, 20])
+        self.assertEqual(seen, ["now"])
+
+    def test_view_runs_from_the_present_and_is_reset_around_its_trigger(self) -> None:
+        answers = self.browser.call(
+            "state/view.js",
+            """(() => {
+              const of = (values, held) => {
+                const state = { values, on() {}, setTrigger() {},
+                  set: (changes) => Object.assign(values, changes) };
+                return new module.View(state, { held, release() {} }, {});
+              };
+              const trigger = { mode: "normal", position: 0.25 };
+              const paused = () => ({ end: 30, reference: 20, trigger, baseWindow: 8, window: 1,
+                axes: { x: { title: "s" }, y: { low: 1, high: 2 } } });
+              const running = paused(), around = paused(), plain = paused();
+              of(running, {}).run();
+              of(around, {}).reset();
+              of(plain, null).reset();
+              return [running, around, plain].map(({ end, reference, window, axes }) =>
+                [end, reference, window, axes.y.low]);
+            })()""",
+        )
+        self.assertEqual(answers, [[None, None, 1, 1], [26, 20, 8, None], [20, 20, 8, None]])
+
+    def test_a_bag_sets_the_clock_of_a_fresh_page_only(self) -> None:
+        clocks = self.browser.call(
+            "page/playback.js",
+            """a[0].map((fresh) => {
+              const changes = [];
+              const page = { place: {}, state: { set() {},
+                setAxis: (name, change) => changes.push([name, change]) } };
+              const { onHello } = module.Playback.prototype;
+              onHello.call(page, { bag: { name: "x.bag", start: 5, end: 8 } }, fresh);
+              onHello.call(page, {}, fresh);
+              return [changes, page.place.max];
+            })""",
+            [True, False],
+        )
+        self.assertEqual(clocks, [[[["x", {"clock": True}]], 3], [[], 3]])
+
+    def test_line_moved_by_keys_stays_inside(self) -> None:
+        places = self.browser.call(
+            "plot/handle.js",
+            """(() => {
+              const places = [];
+              const handle = new module.Handle(document.createElement("div"),
+                { kind: "level", name: "", label: "", move: (part) => places.push(part) });
+              for (const [part, key, shiftKey] of a[0]) {
+                handle.place(part, 0, "");
+                handle.element.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey }));
+              }
+              return places;
+            })()""",
+            [(0.5, "ArrowUp", False), (0.99, "ArrowUp", True), (0.001, "ArrowDown", False)],
+        )
+        self.assertEqual(places, [0.505, 1, 0])
+
+    def test_level_cursors_name_their_trace_and_press_their_button(self) -> None:
+        pressed, text, rest = self.browser.call(
+            "measure/level_cursors.js",
+            """(() => {
+              const button = document.getElementById("level-cursors");
+              const overlay = document.createElement("div");
+              const traces = new Map([["/a", { gain: 2, offset: 0 }]]);
+              const values = { levels: null, fields: ["/a"], traces };
+              const plot = { axisOf: () => "y", placeOf: () => 0.5, onDrawn() {} };
+              const cursors = new module.LevelCursors(overlay, { values, on() {} }, plot);
+              values.levels = { field: "/a", c: 1.25, d: 3 };
+              cursors.place();
+              const shown = [button.getAttribute("aria-pressed"), overlay.textContent];
+              values.levels = null;
+              cursors.place();
+              return [...shown, button.getAttribute("aria-pressed")];
+            })()""",
+        )
+        self.assertEqual((pressed, rest), ("true", "false"))
+        self.assertIn("C 1.2500   D 3.0000   C − D −1.7500   on the axis of /a scaled × 2", text)
+
+    def test_oldest_sweep_is_dropped_first(self) -> None:
+        times = self.browser.call(
+            "state/persistence.js",
+            """(() => {
+              const listeners = [];
+              const kept = new module.Persistence({ on: (_, act) => listeners.push(act) });
+              listeners[0]({ persistence: 2 });
+              for (const time of [1, 2, 3]) {
+                const rows = () => [-0.09, 0, 0.5, 1.09, 1.2].map((at) => [at, time]);
+                const buffer = { traces: new Map([["/a", []]]), lasts: new Map(), rows };
+                kept.keep({ buffer, time }, 0, 1);
+              }
+              const lines = kept.sweeps.map((sweep) => [...sweep.get("/a").points]);
+              listeners[0]({ persistence: 1 });
+              return [lines, kept.sweeps.map((sweep) => sweep.get("/a").points[1])];
+            })()""",
+        )
+        # A line reaches a tenth of the window beyond both edges.
+        expected = [[-0.09, n, 0, n, 0.5, n, 1.09, n] for n in (2, 3)]
+        self.assertEqual(times, [expected, [3]])
+
+    def test_spectrum_lines_begin_at_their_first_frequency(self) -> None:
+        drawn = self.browser.call(
+            "plot/kinds.js",
+            "['linear', 'dB'].map((scale) => module.spectra(a[0], ['/a', '/b'], scale))"
+            ".map(({ lines: [one] }) => [one.xs, one.ys, one.marks.map(({ x, y }) => [x, y])])",
+            {"/a": {"first": 2, "step": 0.5, "values": [1, 0.1, None], "peaks": [[2, 1, 0.1, ""]]}},
+        )
+        frequencies = [2, 2.5, 3]
+        expected = [[1, 0.1, None], [[2, 1]]], [[0, -20, None], [[2, 0]]]
+        self.assertEqual(drawn, [[frequencies, *rest] for rest in expected])
+
+    def test_faint_robot_leaves_the_others_bright(self) -> None:
+        alphas = self.browser.call(
+            "robots/drawing.js",
+            """(() => {
+              const canvas = document.createElement("canvas");
+              const context = canvas.getContext("2d");
+              const drawing = new module.Drawing(context, {}, () => "#000000");
+              drawing.pixel = 0.01;
+              const alphas = [];
+              drawing.disc = () => alphas.push(context.globalAlpha);
+              for (const isFaint of [true, false]) {
+                drawing.robot({ x: 0, y: 0, heading: 0 }, "#ff0000", isFaint);
+                alphas.push(context.globalAlpha);
+              }
+              return alphas;
+            })()""",
+        )
+        self.assertAlmostEqual(alphas[0], 0.35, places=2)
+        self.assertEqual(alphas[1:], [1, 1, 1])
+
+    def test_resized_view_of_robots_keeps_what_the_user_has_chosen(self) -> None:
+        fitted = self.browser.call(
+            "robots/scene_view.js",
+            """a[0].map((touched) => {
+              let fitted = 0;
+              const view = { canvas: document.createElement("canvas"), camera: {}, touched,
+                fit: () => { fitted += 1; }, refresh() {} };
+              const [, Kind] = Object.entries(module).find(([, one]) => one.prototype?.resize);
+              Kind.prototype.resize.call(view);
+              return fitted;
+            })""",
+            [True, False],
+        )
+        self.assertEqual(fitted, [0, 1])
+
+    def test_rate_of_a_silent_topic_is_zero_and_an_unknown_one_is_empty(self) -> None:
+        texts = self.browser.call(
+            "graph/topology.js",
+            """(() => {
+              const graph = { all: { checked: true }, rates: new Map(), drawn: "", draw(_, links) {
+                for (const { from, to } of links) {
+                  this.rates.set(`${from} ${to}`, document.createElement("b"));
+                }
+              } };
+              const edges = Object.entries(a[0]).map(([topic, rate]) =>
+                ({ from: "/n", to: "/m", topic, rate }));
+              const topics = Object.keys(a[0]).map((name) => ({ name, datatype: "a/B" }));
+              module.Graph.prototype.show.call(graph, { nodes: ["/n", "/m"], topics, edges });
+              return [...graph.rates.values()].map((one) => one.textContent);
+            })()""",
+            {"/p": 0, "/q": None, "/r": 9.87, "/s": 123.4},
+        )
+        self.assertEqual(set(texts), {"0 Hz", "", "9.9 Hz", "123 Hz"})
+
+    def test_invalid_setup_is_named(self) -> None:
+        said = self.browser.call(
+            "page/setup.js",
+            "a[0].map((one) => { try { return Object.keys(module.read(one)); }"
+            " catch (error) { return error.message; } })",
+            [None, 3, {"window": -1}, {"other": 1}, {"window": 2}],
+        )
+        expected = ["a set-up must be a JSON object"] * 2
+        expected += ["the set-up has an invalid window", "the set-up has an invalid other"]
+        self.assertEqual(said, [*expected, ["window"]])
+
+    def test_shown_figures_have_one_order(self) -> None:
+        keys = self.browser.call(
+            "measure/statistics.js",
+            "module.shownFigures({ measures: { figures: a[0] } }).map(([key]) => key)",
+            ["max", "rate", "mean"],
+        )
+        self.assertEqual(keys, ["rate", "max", "mean"])
+
+    def test_plot_without_a_size_requests_a_usable_width(self) -> None:
+        widths = self.browser.call(
+            "page/requests.js",
+            """a[0].map((w) => {
+              const requests = { timer: null, plot: { area: { w } },
+                state: { values: { view: "scope", window: 5, end: null } },
+                send: (message) => { requests.sent = message; } };
+              module.Requests.prototype.sendView.call(requests);
+              return requests.sent.width;
+            })""",
+            [0, 801.4, 9000],
+        )
+        self.assertEqual(widths, [50, 801, 4000])
 
     def test_states_are_read_as_they_are_sent(self) -> None:
         states = {
@@ -859,20 +1182,27 @@ class Modules(BrowserTest):
         self.assertNotEqual(places[0] % 10, places[1] % 10)
 
     def test_cursors_show_the_inverse_of_their_distance(self) -> None:
-        texts = self.browser.call(
+        answers = self.browser.call(
             "measure/cursors.js",
             "a[0].map(([from, to]) => { const values = {cursors: null};"
             " const overlay = document.createElement('div');"
             " const cursors = new module.Cursors(overlay, {values, on() {}, set() {}},"
             " {times: [0, 10], onDrawn() {}});"
+            " const count = () => overlay.querySelectorAll('.handle:not([hidden])').length;"
+            " cursors.place(); const before = count();"
             " values.cursors = {a: from, b: to}; cursors.place();"
-            " return overlay.querySelector('.readout').textContent; })",
+            " const ends = cursors.valuesBy((time) =>"
+            " ({ low: time, high: 2 * time, uncertainty: 0.5 }));"
+            " return [overlay.querySelector('.readout').textContent, [before, count()],"
+            " Object.values(ends.difference)]; })",
             [[2, 2.5], [2.5, 2], [3, 3], [0, 8]],
         )
         self.assertEqual(
-            [text.partition("1/Δt ")[2] for text in texts],
+            [text.partition("1/Δt ")[2] for text, *_ in answers],
             ["2.0000 Hz", "2.0000 Hz", "– Hz", "0.1250 Hz"],
         )
+        self.assertEqual([counts for _, counts, _ in answers], [[0, 2]] * 4)
+        self.assertEqual(answers[0][2], [2.5 - 4, 5 - 2, 1])  # lowest, highest, uncertainty
 
     def test_few_samples_are_drawn_at_their_times(self) -> None:
         """At rates around the bin rate, the drawn line of a sine is the curve itself."""
@@ -1116,10 +1446,13 @@ class Modules(BrowserTest):
             " it.control.value = '7'; it.control.dispatchEvent(new Event('change'));"
             " it.refuse('must be below 5', true);"
             " it.control.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape' }));"
-            " return [sent, it.control.value, it.refusal.hidden]; })()",
+            " const first = [...sent];"
+            " it.control.value = '8';"
+            " it.control.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape' }));"
+            " return [first, it.control.value, it.refusal.hidden, sent.length]; })()",
             parameter,
         )
-        self.assertEqual(reply, [[7, 1], "1", True])
+        self.assertEqual(reply, [[7, 1], "1", True, 2])  # a typed value has not been sent
 
     def test_long_names_are_broken_after_their_parts(self) -> None:
         wrapped = self.browser.call(
@@ -1196,6 +1529,19 @@ class Modules(BrowserTest):
         self.assertEqual(groups[0][0], robot)
         self.assertTrue(all(len(group) == 1 for found in groups[2:-1] for group in found), groups)
         self.assertEqual(len(groups[-1]), 5)
+        nested = {"field": "/m/poses[0]/joints[0]/angle", "datatype": "float64", "topic": "/m"}
+        for typed, field in (
+            ("[7]", "/m/poses[7]/joints[7]/angle"),
+            ("[7] [8]", "/m/poses[7]/joints[8]/angle"),
+        ):
+            reply = self.browser.call(
+                "choose/field_list.js",
+                "module.found(a[0], a[2], a[1], true)",
+                [nested],
+                typed,
+                {"/m": "a/B"},
+            )
+            self.assertEqual(reply["groups"][0]["fields"][0]["field"], field)
 
     def test_layers_are_ordered_except_backward_edges(self) -> None:
         items = [{"id": name} for name in "abcd"]

@@ -147,6 +147,7 @@ def test_of_two_numbers_with_one_role_each_is_tried(tmp_path: pathlib.Path) -> N
     found, _, _ = tried(package, wave_loops)
     of = {one.name: set(one.of) for one in found.tried}
     assert (of["/signal_amplitude_b"], of["/signal_amplitude"]) == (set(), {GENERATOR})
+    assert found.value_of(GENERATOR, "amplitude") == ("/signal_amplitude", 2.0)
 
 
 def test_files_that_are_no_yaml_or_lead_nowhere_are_left_alone(tmp_path: pathlib.Path) -> None:
@@ -212,6 +213,20 @@ def test_parameters_that_a_node_sets_itself_are_hidden_from_the_launch_file(
     found, _, _ = tried(package, law, own)
     assert (found.tried, found.hidden) == ([], {PROCESS})
     assert tried(package, law)[0].hidden == set()
+
+
+@pytest.mark.parametrize("name", ["/rectifier/gain", "/gain"])
+def test_private_name_in_a_source_is_hidden_from_a_launch_file_without_it(
+    name: str, tmp_path: pathlib.Path
+) -> None:
+    line = '<rosparam command="load" file="$(find magnitude_vectors)/config/rectifier.yaml"/>'
+    package = copy("magnitude_vectors", tmp_path, "launch/all.launch", line, "")
+    (package / "config" / "rectifier.yaml").unlink()
+
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
+        return features(3.0, 2.0, parameters.get(name, 0.7), 1.0, 1.0)
+
+    assert tried(package, law)[0].hidden == ({PROCESS} if name == "/rectifier/gain" else set())
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
 """Tests of the runs of a coursework: a trial's nodes, and a session's records and clock."""
 
 import contextlib
+import math
 import pathlib
-from typing import Any, Dict, List, Optional, Tuple, Type
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Type
 from unittest import mock
 
 import pytest
@@ -15,6 +16,8 @@ from pid_control.signal_runner import trial as trial_module
 from pid_control.signal_runner.coursework import Coursework, find_coursework
 from pid_control.signal_runner.signal_session import SignalSession
 from pid_control.signal_runner.trial import Trial, TrialError
+from pid_control.verdicts.judgement import NOT_JUDGED, PASSED
+from played_coursework import Loop, Played, PlayedNode, generator, process
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 
@@ -174,3 +177,242 @@ def test_notes_of_the_parameters_are_those_of_the_judgement(
     assert session.run() == ""
     assert session.notes == ["not tried: /a"]
     assert session.evidence.parameters is trials.run.return_value
+
+
+@pytest.mark.parametrize("real_time", [False, True])
+def test_good_coursework_passes_by_either_clock(
+    real_time: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    played = Played(monkeypatch, real_time=real_time)
+    judgement = played.judge()
+    assert judgement.verdict == PASSED, judgement.failures
+    figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
+    assert figures["signal", "rate"] == pytest.approx(10.0, abs=0.1)
+    assert figures["signal", "amplitude"] == pytest.approx(2.0, abs=0.01)
+    assert figures["signal", "frequency"] == pytest.approx(3.0, abs=0.01)
+    assert figures["process", "phase_shift"] == pytest.approx(1.2, abs=0.01)
+    assert figures["parameters", "of_generator"] == 2.0 and figures["parameters", "of_process"] == 3
+    assert played.session.notes[-2:] == [
+        "signal_generator.py is the signal generator, process.py the process node",
+        "signal: /signal/data; output: /proc_signal/data",
+    ]
+    # The whole record, of a baseline and a restart, is for the picture.
+    restart = played.session.evidence.restart
+    assert restart is not None and played.session.evidence.baseline is not None
+    assert restart.signal.times[0] == played.session.evidence.baseline.signal.times[0]
+    assert played.machine.nodes == {} and sorted(set(played.machine.ended)) == [
+        "/judged_group/process",
+        "/judged_group/signal_generator",
+        "/process",
+        "/signal_generator",
+    ]
+
+
+def slow_sine(node: PlayedNode) -> Iterator[None]:
+    """Publish a sine of so many seconds that it is known late."""
+    begin = node.time()
+    while True:
+        node.publish("signal", math.sin(0.5 * (node.time() - begin)))
+        yield
+
+
+def echo(node: PlayedNode) -> Iterator[None]:
+    """Answer with the signal of 0.4 s ago, and with half of its amplitude, above 0."""
+    node.subscribe("signal")
+    kept = [0.0] * 4
+    while True:
+        kept.append(node.latest("signal"))
+        node.publish("proc_signal", 1.0 + 0.5 * kept.pop(0))
+        yield
+
+
+def test_slow_signal_is_recorded_for_more_than_two_periods(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    played = Played(monkeypatch, "signal", "restart", signal_generator=slow_sine, process=echo)
+    judgement = played.judge()
+    assert judgement.verdict == PASSED, judgement.failures
+    baseline = played.session.evidence.baseline
+    assert baseline is not None
+    period = 4.0 * math.pi
+    assert 2.2 * period <= baseline.signal.times[-1] - baseline.signal.times[0] < 30.5
+
+
+def late_topics(node: PlayedNode) -> Iterator[None]:
+    """Publish a further topic every 2 s, and subscribe only then."""
+    for number in range(60):
+        node.publish(f"topic_{number // 20}", 0.0)
+        yield
+    yield from process(node)
+
+
+def by_time(node: PlayedNode) -> Iterator[None]:
+    """Compute the output from the generator's time; the signal is not received."""
+    node.subscribe("time")
+    while True:
+        node.publish("proc_signal", 1.5 + math.sin(3.0 * node.latest("time") + 1.2))
+        yield
+
+
+@pytest.mark.parametrize("loop", [late_topics, by_time])
+def test_process_node_with_other_topics_passes(loop: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
+    judgement = Played(monkeypatch, "signal", "process", process=loop).judge()
+    assert judgement.verdict == PASSED, judgement.failures
+
+
+def free_running(node: PlayedNode) -> Iterator[None]:
+    node.subscribe("signal")
+    while True:
+        node.publish("proc_signal", 1.5 + math.sin(3.0 * node.time() + 1.2))
+        yield
+
+
+def counting(node: PlayedNode) -> Iterator[None]:
+    """Shift the phase by a time that is counted, and so goes on at a restart."""
+    node.subscribe("signal", "time")
+    count, before = 0, 0.0
+    while True:
+        count += node.latest("time") != before
+        before = node.latest("time")
+        node.publish("proc_signal", 1.5 + math.sin(0.3 * count + 1.2))
+        yield
+
+
+def flood(node: PlayedNode) -> Iterator[None]:
+    """Publish without a pause, but seem idle while the messages are taken."""
+    node.load, node.period = 1.0, 0.01
+    for _ in generator(node):
+        node.spent += 0.5
+        for _ in range(300):
+            node.publish("time", 0.0)
+        yield
+
+
+def restless(node: PlayedNode) -> Iterator[None]:
+    node.load, node.is_restless = 1.0, True
+    yield from process(node)
+
+
+def endless(node: PlayedNode) -> Iterator[None]:
+    for _ in generator(node):
+        node.writes_without_end = True
+        yield
+
+
+def crash(node: PlayedNode) -> Iterator[None]:
+    for _ in process(node):
+        if node.latest("time") > 0.5:
+            node.status, node.words = 1, "NameError: x"
+        yield
+
+
+def crash_at_once(node: PlayedNode) -> Iterator[None]:
+    node.status, node.words = 1, "SyntaxError: x"
+    yield from process(node)
+
+
+def deaf(node: PlayedNode) -> Iterator[None]:
+    node.subscribe("Signal")
+    while True:
+        node.publish("proc_signal", 0.0)
+        yield
+
+
+def silent(node: PlayedNode) -> Iterator[None]:
+    node.subscribe("signal")
+    node.publish("proc_signal", 0.0)
+    while True:
+        yield
+
+
+def absolute(node: PlayedNode) -> Iterator[None]:
+    node.space = ""
+    yield from generator(node)
+
+
+@pytest.mark.parametrize(
+    ("scenarios", "programs", "flaws", "says"),
+    [
+        (["restart"], {"process": free_running}, ["free-running"], "keeps oscillating"),
+        (["restart"], {"process": counting}, ["restart"], "the output differs"),
+        (["signal"], {"signal_generator": flood}, ["flood"], "/signal_generator computes"),
+        (["signal"], {"process": restless}, ["flood"], "/process computes without a pause"),
+        (["signal"], {"signal_generator": endless}, ["endless output"], "/signal_generator writes"),
+        (["signal"], {"process": crash}, ["crash"], "/process ended by itself: NameError: x"),
+        (["signal"], {"process": crash_at_once}, ["crash"], "/process ended by itself: Syntax"),
+        (
+            ["signal"],
+            {"process": deaf},
+            ["not connected"],
+            "process.py publishes /proc_signal (std_msgs/Float32) and subscribes to /Signal",
+        ),
+        (["process"], {"process": silent}, ["silent"], "the process node sends nothing"),
+        (
+            ["namespace"],
+            {"signal_generator": absolute},
+            ["namespace"],
+            "/signal, /time stay outside the namespace",
+        ),
+    ],
+)
+def test_flaw_of_a_played_coursework_is_named(
+    scenarios: List[str],
+    programs: Dict[str, Loop],
+    flaws: List[str],
+    says: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    judgement = Played(monkeypatch, *scenarios, **programs).judge()
+    assert judgement.flaws() == flaws, judgement.failures
+    assert says in judgement.failures[0].cause.sentence
+
+
+def by_machine(node: PlayedNode) -> Iterator[None]:
+    node.is_by_machine = True
+    return generator(node)
+
+
+def with_time_of_machine(node: PlayedNode) -> Iterator[None]:
+    begin = node.machine.time
+    while True:
+        node.publish("signal", math.sin(3.0 * (node.machine.time - begin)))
+        yield
+
+
+@pytest.mark.parametrize("loop", [by_machine, with_time_of_machine])
+def test_machine_clock_of_a_node_is_not_judged(loop: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(JudgingError, match="it uses the machine's clock"):
+        Played(monkeypatch, "signal", signal_generator=loop).judge()
+
+
+def test_fast_coursework_is_run_again_with_finer_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fast(loop: Loop) -> Loop:
+        def make(node: PlayedNode) -> Iterator[None]:
+            node.period = 0.008
+            return loop(node)
+
+        return make
+
+    loops = {"signal_generator": fast(generator), "process": fast(process)}
+    played = Played(monkeypatch, "signal", **loops)
+    judgement = played.judge()
+    assert judgement.verdict == PASSED, judgement.failures
+    figures = {one.metric: one.value for one in judgement.findings if one.scenario == "signal"}
+    assert figures["rate"] == pytest.approx(125.0, abs=2.0)
+    assert len(played.machine.commands) == 2 * 2
+
+
+def test_judgement_ends_at_its_time_limit_and_on_a_late_machine(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    played = Played(monkeypatch, "signal", time_limit=1.0)
+    judgement = played.judge()
+    assert (judgement.verdict, judgement.reason) == (NOT_JUDGED, "1 s are over")
+    assert played.machine.nodes == {}
+    for scenario in ("signal", "parameters"):
+        late = Played(monkeypatch, scenario, real_time=True)
+        late.machine.late_from = 0 if scenario == "signal" else 2
+        with pytest.raises(BusyMachineError, match=r"the judge itself was 0\.[1-9]\d\d s late"):
+            late.judge()

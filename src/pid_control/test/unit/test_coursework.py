@@ -33,7 +33,7 @@ def good(name: str) -> Coursework:
 def package(folder: pathlib.Path, launch: Dict[str, str], *programs: str) -> str:
     """Make a package; return its folder."""
     (folder / "scripts").mkdir()
-    (folder / "package.xml").write_text("<package><name>anna</name></package>")
+    (folder / "package.xml").write_text("<package><name> anna\n</name></package>")
     for name, text in launch.items():
         (folder / name).write_text(f"<launch>{text}</launch>")
     for name in programs:
@@ -216,6 +216,19 @@ def test_hidden_yaml_files_are_not_of_the_coursework(tmp_path: pathlib.Path) -> 
     for name in (".travis.yml", "values.yml"):
         (tmp_path / name).write_text("a: 1")
     assert yaml_files(str(tmp_path)) == [str(tmp_path / "values.yml")]
+
+
+def test_package_folder_is_absolute(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    folder = tmp_path / "anna"
+    folder.mkdir()
+    package(folder, {"a.launch": ""})
+    monkeypatch.chdir(tmp_path)
+    assert package_folder("anna", {}) == str(folder)
+    assert package_folder("anna", {"ROS_PACKAGE_PATH": "/"}) == str(folder)
+    monkeypatch.chdir("/")
+    assert package_folder("anna", {"ROS_PACKAGE_PATH": str(tmp_path)}) == str(folder)
 
 
 def test_package_folder_names_the_missing_file(tmp_path: pathlib.Path) -> None:

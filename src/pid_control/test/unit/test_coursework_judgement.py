@@ -122,39 +122,47 @@ def test_seldom_messages_are_a_slow_loop_only_at_regular_times(interval: Any, sa
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("changes", "flaw", "says"),
     [
-        ({"signal": lambda time: 1.0}, "/signal/data does not oscillate"),
+        ({"signal": lambda time: 1.0}, "constant", "/signal/data does not oscillate"),
         (
             {"signal": lambda time: math.copysign(1.0, math.sin(2.0 * time))},
+            "distorted",
             "/signal/data is not a sine",
         ),
-        ({"output": lambda time: 3.0}, "/proc_signal/data is constant"),
+        ({"output": lambda time: 3.0}, "constant", "/proc_signal/data is constant"),
         (
             {"output": lambda time: math.sin(3.1 * time) + 1.0},
+            "distorted",
             "/proc_signal/data is neither a sine of the signal's frequency, nor a rectified one",
         ),
         (
             {"output": lambda time: 1.0 + math.sin(2.0 * time), "tried": []},
+            "unchanged",
             "the process node does not shift the phase",
         ),
         (
             {"output": lambda time: 2.0 + 2.0 * math.sin(2.0 * time + 1.0), "tried": []},
+            "unchanged",
             "the process node does not change the amplitude",
         ),
         (
             {"output": lambda time: 0.5 + math.sin(2.0 * time + 1.0)},
+            "negative",
             "the output goes down to -0.5: its offset is 0.5, where at least 1 is needed",
         ),
         (
             {"constants": {"amplitude": 1.0, "omega": 2.0}},
+            "fields",
             "the messages have amplitude 1, omega 2, but the signal's amplitude is 2",
         ),
     ],
 )
-def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: str) -> None:
+def test_flaw_of_the_messages_is_the_first_cause(
+    changes: Dict[str, Any], flaw: str, says: str
+) -> None:
     judgement = judged(evidence(**changes))
-    assert judgement.verdict == FAILED
+    assert (judgement.verdict, judgement.flaws()[0]) == (FAILED, flaw)
     assert says in judgement.failures[0].cause.sentence
 
 
@@ -282,9 +290,10 @@ def test_free_running_output_and_lost_restart_are_named() -> None:
     found.restart = found.restart._replace(oscillates=False, after=None)
     assert "no output follows the signal" in cause(found)
     assert found.baseline is not None and found.baseline.features.process is not None
-    moved = found.baseline.features.process._replace(offset=1.5)
-    found.restart = found.restart._replace(after=moved)
-    assert "after a restart of the generator the output differs" in cause(found)
+    for moved in ({"offset": 1.5}, {"offset": 0.5}, {"gain": 0.7}, {"shifts": (1.4, 1.4)}):
+        after = found.baseline.features.process._replace(**moved)
+        found.restart = found.restart._replace(after=after)
+        assert "after a restart of the generator the output differs" in cause(found)
 
 
 @pytest.mark.parametrize("node", [GENERATOR, PROCESS])
@@ -317,6 +326,7 @@ def test_yaml_namespace_and_launch_name_the_source() -> None:
     found = evidence()
     found.outside = ["/signal", "/time"]
     assert cause(found).startswith("/signal, /time stay outside the namespace")
+    assert judged(found).failures[0].what == "topics outside the namespace 2, at most 0"
     found.outside = ["/signal"]
     assert cause(found).startswith("/signal stays outside the namespace")
     found = evidence()
@@ -325,23 +335,48 @@ def test_yaml_namespace_and_launch_name_the_source() -> None:
 
 
 @pytest.mark.parametrize(
-    ("broken", "says"),
+    ("broken", "flaw", "says"),
     [
         (
             FailedTrial("ended", "/process", "NameError: x"),
+            "crash",
             "/process ended by itself: NameError: x",
         ),
-        (FailedTrial("flood", "/process"), "/process computes without a pause"),
-        (FailedTrial("writes without end", "/process"), "/process writes to its log without end"),
-        (FailedTrial("not connected", "", "a; b"), "neither node receives the other's topic: a; b"),
+        (FailedTrial("flood", "/process"), "flood", "/process computes without a pause"),
+        (
+            FailedTrial("writes without end", "/process"),
+            "endless output",
+            "/process writes to its log without end",
+        ),
+        (
+            FailedTrial("not connected", "", "a; b"),
+            "not connected",
+            "neither node receives the other's topic: a; b",
+        ),
     ],
 )
-def test_broken_trial_is_a_failure(broken: FailedTrial, says: str) -> None:
+def test_broken_trial_is_a_failure(broken: FailedTrial, flaw: str, says: str) -> None:
     found = CourseworkEvidence()
     found.broken["signal"] = broken
     judgement = judge(found, LIMITS, ["signal", "process"])
-    assert judgement.verdict == FAILED
+    assert (judgement.verdict, judgement.flaws()) == (FAILED, [flaw])
     assert says in judgement.failures[0].cause.sentence
+
+
+def test_nodes_that_are_not_connected_come_before_a_missing_launch_file() -> None:
+    found = CourseworkEvidence()
+    found.missing, found.broken["signal"] = "it has none", FailedTrial("not connected", "")
+    assert judged(found).flaws() == ["not connected", "launch"]
+
+
+def test_distorted_signal_or_output_has_no_further_figures() -> None:
+    square = evidence(signal=lambda time: math.copysign(1.0, math.sin(2.0 * time)))
+    other = evidence(output=lambda time: math.sin(3.1 * time) + 1.0)
+    for found, scenario in ((square, "signal"), (other, "process")):
+        judgement = judged(found)
+        assert judgement.flaws() == ["distorted"]
+        figures = [one.metric for one in judgement.findings if one.scenario == scenario]
+        assert sorted(figures) == ["distortion", "not_finite", "rate"]
 
 
 def test_too_short_record_cannot_be_judged() -> None:

@@ -143,6 +143,8 @@ def test_changed_nodes_names_nodes_with_different_features(
         ("phase_shift", PROCESS, (30, 50), with_process(shifts=(1.349, 1.349)), True),
         ("phase_shift", PROCESS, (30.0, 30.4), BEFORE, False),
         ("offset", PROCESS, (1.5, 2.0), with_process(offset=2.0), True),
+        ("offset", PROCESS, (1.5, 2.0), with_process(offset=2.03), True),  # 2 % of it
+        ("offset", PROCESS, (1.5, 2.0), with_process(offset=2.06), False),
         ("offset", PROCESS, (3.0, 4.0), with_process(offset=2.0), True),  # before the gain
         ("offset", PROCESS, (9.0, 9.5), with_process(offset=2.0), False),
         ("", PROCESS, (1.0, 2.0), with_process(gain=1.0), False),

@@ -161,8 +161,13 @@ def test_cause_of_returns_the_cause_that_the_figures_show(
 
 def test_cause_of_evidence_decides_between_rivals() -> None:
     measured = ControllerEvidence(was_measured=True)
+    cause = cause_of("steps", "overshoot", {}, measured)
+    assert cause.sentence.endswith("kp and ki, or a fault that the scenario held would show")
     cause = cause_of("steps", "peak_input", {}, measured)
     assert cause.sentence == "the input is within -1 and 1, but beyond the limit for it"
+    for beyond, side in ((("above", "below"), ""), (("above",), " above"), (("below",), " below")):
+        cause = cause_of("steps", "peak_input", {}, measured._replace(beyond=beyond))
+        assert cause.sentence == f"the input is not limited{side}: keep it within -1 and 1"
     law = Law(0.08, 1.5, 0.01)
     winding = measured._replace(was_probed=True, winds_up=True, law=law)
     for scenario in ("missing", "early", "load"):
@@ -231,6 +236,14 @@ def test_judge_division_by_0_with_a_simulated_clock_is_not_judged() -> None:
     assert (judgement.verdict, judgement.flaws()) == (NOT_JUDGED, ["division by 0"])
     assert words in judgement.reason and "judge it with --real-time" in judgement.reason
     assert judge([record._replace(is_simulated=False)], LIMITS).flaws() == ["crash"]
+
+
+def test_judge_never_idle_comes_before_an_iteration_that_is_too_long() -> None:
+    slow = play_one("ramp", pi())._replace(scenario=STEPS, rows=play_one("steps", pi()).rows)
+    assert judge([slow._replace(busy=9.0), Record(STEPS, RESTLESS)], LIMITS).flaws()[:2] == [
+        "restless",
+        "too slow",
+    ]
 
 
 def test_judge_time_limit_is_not_a_pass() -> None:

@@ -238,6 +238,13 @@ def test_integral_that_grows_while_the_clock_is_paused_is_found() -> None:
     assert figure(jumped(record, 0.2, 0.4), "standstill_jump") == pytest.approx(0.2, abs=0.01)
 
 
+def test_integral_of_the_wrong_sign_that_grows_while_the_clock_is_paused_is_found() -> None:
+    record = play_one("rate", pi(kp=-0.08, ki=-1.5))
+    answers = jumped(record._replace(answers=[(t, -u) for t, u in record.answers]), 0.2, 0.4)
+    record = record._replace(answers=[(t, -u) for t, u in answers.answers])
+    assert figure(record, "standstill_jump") == pytest.approx(0.2, abs=0.01)
+
+
 def test_standstill_jump_without_proportion_to_the_pauses_is_not_measured() -> None:
     record = play_one("rate", pi())
     assert figure(jumped(record, 0.2, 0.2), "standstill_jump") is None

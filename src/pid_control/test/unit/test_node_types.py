@@ -60,13 +60,15 @@ def test_ask_types_reply_of_no_node_is_named(reply: Any) -> None:
         assert test_bench.ask_types({"/anna": uri}) == ({}, ["/anna"])
 
 
-def test_ask_types_node_that_never_answers_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_node_that_never_answers_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(node_queries, "_NODE_S", 0.1)
     with socket.socket() as listening:
         listening.bind(("127.0.0.1", 0))
         listening.listen(5)
         uri = "http://127.0.0.1:{}/".format(listening.getsockname()[1])
         assert test_bench.ask_types({"/anna": uri}) == ({}, ["/anna"])
+        with pytest.raises(socket.timeout):
+            node_queries.ask_links("/judge", uri)
 
 
 def test_ask_types_node_that_has_ended_is_left_out() -> None:

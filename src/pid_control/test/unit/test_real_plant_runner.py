@@ -159,7 +159,7 @@ def test_session_with_a_real_plant_names_the_scenarios_left_out(
     runner.return_value = mock.Mock(latest=0.0, most_late=0.1)
     runner.return_value.run.side_effect = lambda scenario: Record(scenario, ENDED, answers=[(1, 1)])
     monkeypatch.setattr(real_plant_runner, "RealPlantRunner", runner)
-    command = ProgramCommand("x", ["x"], {}, {}, {})
+    command = ProgramCommand("x", ["x"], {}, {"/use_sim_time": False}, {})
     for only, ran in ((None, ["steps", "ramp", "sine", "windup"]), ([BY_NAME["ramp"]], ["ramp"])):
         session = Session(command, only, {}, 60.0)
         judgement = session.judge_with_real_plant(13.0)

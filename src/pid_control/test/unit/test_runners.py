@@ -6,16 +6,20 @@ from typing import Any, Dict, List, Optional
 from unittest import mock
 
 import pytest
+import rospy
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float32
 
-from pid_control.judging.experiment import Experiment
-from pid_control.judging.record import ENDED, NOT_CONNECTED, RESTLESS, Pause, Record
-from pid_control.judging.scenarios import BY_NAME
+from pid_control.judging.experiment import Experiment, MotorOutput, OutgoingMessages
+from pid_control.judging.record import ENDED, NOT_CONNECTED, RESTLESS, SILENT, Pause, Record
+from pid_control.judging.scenarios import BY_NAME, SLOW_STEP_S, STEP_S
+from pid_control.msg import motor_input, motor_output
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import bench_runner, clock, gains_judgement, test_bench
 from pid_control.runner.bench_runner import BenchRunner
 from pid_control.runner.gains_judgement import judge_gains
 from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
-from pid_control.runner.loop_messages import course_messages
+from pid_control.runner.loop_messages import course_messages, loop_message
 from pid_control.runner import session as session_module
 from pid_control.runner.session import Session
 from pid_control.runner.student_messages import StudentMessages
@@ -132,6 +136,27 @@ def test_controller_without_a_motor_has_the_time_that_it_needed_with_one(
     assert needed > 0.012
     assert rig.runner._patience(Experiment(BY_NAME["early"], 0.0)) == needed
     assert rig.runner._patience(Experiment(BY_NAME["steps"], 0.0)) > needed
+    # One that never answers is connected: its scenario shows that it is silent.
+    monkeypatch.setattr(bench_runner, "_FIRST_ANSWER_S", 0.02)
+    rig.bench.pop_inputs.side_effect = itertools.repeat([])
+    assert connect(rig.runner, Experiment(BY_NAME["steps"], 0.0), rig.process)
+
+
+def test_silent_controller_fails_with_its_last_words(monkeypatch: "pytest.MonkeyPatch") -> None:
+    rig = BenchRig(monkeypatch)
+    rig.process.last_words.return_value = "waiting"
+    record = rig.runner.run(BY_NAME["ramp"]._replace(duration=0.6))
+    assert (record.failure, record.words) == (SILENT, "waiting")
+
+
+def test_clock_of_the_bench_is_slow_where_the_scenario_says_so(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    rig = BenchRig(monkeypatch)
+    rig.runner.run(BY_NAME["ramp"]._replace(duration=0.2, slow=(0.0, 0.2)))
+    times = [call[0][1] for call in rig.bench.send.call_args_list]
+    steps = [after - before for before, after in zip(times, times[1:])]
+    assert steps[-3:] == pytest.approx([STEP_S, SLOW_STEP_S, SLOW_STEP_S])
 
 
 def test_controller_that_sends_without_a_pause_is_never_idle(
@@ -185,6 +210,30 @@ def test_test_bench_follows_other_types_on_all_topics() -> None:
     for one in before:
         one.close.assert_called_once_with()
     assert bench.pop_inputs() == [0.5] and bench.pop_inputs() == []
+    for value in (0.25, 0.75):
+        bench._on_input(motor_input(value, 0.0))
+    assert bench.pop_inputs() == [0.25, 0.75]
+
+
+def test_test_bench_sends_the_clock_after_the_messages_of_that_time(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    """A loop that wakes by the clock answers them."""
+    node, sent = mock.MagicMock(), []
+    monkeypatch.setattr(test_bench, "init_node", lambda _: node)
+    node.create_publisher.side_effect = lambda topic, kind: mock.Mock(
+        publish=lambda message: sent.append((topic, message))
+    )
+    own = {**course_messages(), "set_point": loop_message("set_point", Float32)}
+    bench = test_bench.TestBench(own)
+    bench.send(OutgoingMessages(3.0, MotorOutput(2.0, 0.5, "Motor Turning")), 1.25)
+    bench.send(OutgoingMessages(None, None), 1.5)
+    assert sent == [
+        ("/set_point", Float32(3.0)),
+        ("/motor_output", motor_output(2.0, 0.5, "Motor Turning")),
+        ("/clock", Clock(rospy.Time.from_sec(1.25))),
+        ("/clock", Clock(rospy.Time.from_sec(1.5))),
+    ]
 
 
 @pytest.mark.parametrize("topic", ["/set_point", "/motor_output"])

@@ -71,9 +71,10 @@ def test_each_covers_its_time(name: str) -> None:
 
 
 def sent_at(scenario: Scenario, *moments: float) -> list:
-    experiment = Experiment(scenario, -1.0)
-    experiment.begin_at(0.0)
-    return [experiment.send(moment) for moment in moments]
+    """Return what is sent in a scenario that begins at 20 s, a second after the motor."""
+    experiment = Experiment(scenario, 19.0)
+    experiment.begin_at(20.0)
+    return [experiment.send(20.0 + moment) for moment in moments]
 
 
 def test_set_points_arrive_at_100_hz_and_outputs_with_each_step() -> None:
@@ -100,9 +101,13 @@ def test_restarted_motor_is_silent_and_starts_at_zero() -> None:
 
 
 def test_a_motor_that_only_falls_silent_keeps_its_time_and_its_speed() -> None:
-    before, silent, after = sent_at(BY_NAME["missing"], 0.99, 1.1, 1.2)
+    experiment = Experiment(BY_NAME["missing"], -1.0)
+    experiment.begin_at(0.0)
+    experiment.answer(0.0, 0.5)
+    before, silent, after = (experiment.send(moment) for moment in (0.99, 1.1, 1.2))
     assert silent.output is None
     assert after.output.time == pytest.approx(2.2)
+    assert after.output.speed == pytest.approx(before.output.speed) and before.output.speed > 6.5
 
 
 def test_nan_arrives_once_on_each_topic() -> None:

@@ -135,6 +135,8 @@ def test_record_of_few_outputs_raises() -> None:
             "the output meets its limit of 1.5",
         ),
         ([(1.0, 1.0)], SLOW, 0.1, "with noise, the first output beyond"),
+        ([(1.0, -1.0)], SLOW, 0.1, "with noise, the first output beyond"),
+        ([(1.0, -1.0)], Model(200.0, 1.0, 0.3), 0.001, "the dead time of 0.3 s is read"),
     ],
 )
 def test_step_reading_differences_are_explained(
@@ -146,7 +148,9 @@ def test_step_reading_differences_are_explained(
     if why.startswith("0.1"):
         # Finding the dead zone needs more levels; this test is about the reading.
         found = found._replace(model=model)
-    assert any(why in said for said in why_they_differ(record, found, reading))
+    reasons = why_they_differ(record, found, reading)
+    assert any(why in said for said in reasons)
+    assert any("with noise" in said for said in reasons) is (noise > 0.01)
 
 
 def test_read_step_ignores_a_larger_but_short_step() -> None:
@@ -188,6 +192,23 @@ def test_report_states_each_figure() -> None:
     below, above = (float(curves[3][end].split(",")[1]) for end in (0, -1))
     assert above < below  # the record rises above the model
     assert curves[4][-1].startswith("640.0,")  # the last input is held
+
+
+def test_report_has_each_doubt_of_the_uncertainty() -> None:
+    record = answered([(2.0, 0.5)], Model(13.1, 0.4, 0.1), 6.0)
+    wide = Model(1.1, 0.12, 0.013)
+    for test, doubts in (
+        (ResidualTest(False, False, True, False, 12.0), 3),
+        (ResidualTest(False, False, True, True, 99.0), 2),
+        (ResidualTest(False, False, False, True, 99.0), 1),
+        (ResidualTest(True, True, False, True, 99.0), 0),
+    ):
+        found = Identification(Model(10.0, 0.5), wide, record.outputs, 0.1, 0.9, test)
+        text = as_text(record, found, None)
+        assert text.count("± does not hold in 95 of 100: ") == doubts
+        assert ("± holds in 95 of 100" in text) is not bool(doubts)
+        assert ("± counts 99 independent outputs" in text) is (doubts in (1, 2))
+        assert "No step in it is followed by enough outputs" in text
 
 
 def test_report_has_each_value_with_its_uncertainty() -> None:

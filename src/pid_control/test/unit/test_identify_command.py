@@ -3,6 +3,7 @@
 import pathlib
 import sys
 from typing import List, Tuple
+from unittest import mock
 
 import numpy
 import pytest
@@ -55,6 +56,17 @@ def test_identify_invalid_argument_names_the_problem(
     words = [word.format(folder=tmp_path) for word in arguments]
     status, _, errors = identify(capsys, *words)
     assert status == 2 and why in errors
+
+
+def test_identify_without_options_drives_the_motor_of_its_namespace(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    experiment = mock.Mock()
+    monkeypatch.setattr(identify_command, "LiveExperiment", experiment)
+    monkeypatch.setattr(identify_command, "run", lambda name, make: make(name))
+    assert identify(capsys) == (0, "", "")
+    drive = experiment.call_args[0][1]
+    assert drive == ("motor_input/input", "motor_output/output", 0.0, 1.0, 10.0)
 
 
 def test_identify_bag_with_any_two_fields_is_accepted(

@@ -1,6 +1,6 @@
 """Callbacks of the nodes, without a master."""
 
-from typing import Any, List, Tuple
+from typing import Any, List, Tuple, Type
 from unittest import mock
 
 import pytest
@@ -16,8 +16,8 @@ from pid_control.nodes.set_point_generator import SetPointGenerator
 from pid_control.plant.status import NOT_TURNING
 from pid_control.plant.system_parameters import SystemParameters
 from pid_control.recording import live_experiment
-from pid_control.recording.fields import Field
-from pid_control.recording.live_experiment import DriveSettings, LiveExperiment
+from pid_control.recording.fields import Field, FieldError
+from pid_control.recording.live_experiment import DriveError, DriveSettings, LiveExperiment
 from pid_control.recording.samples import Samples
 
 
@@ -129,6 +129,10 @@ def test_set_point_has_its_time_and_the_stop_value_once() -> None:
     generator._publish(0.6)
     publish = node.create_publisher.return_value.publish
     assert publish.call_args_list == [mock.call(-1.0, 0.5)] * 2
+    ends = SetPointGenerator(node)
+    ends._publish(0.7)
+    ends._end()
+    assert publish.call_args_list[2:] == [mock.call(-1.0, 0.7)] * 2
 
 
 class ControllerRig:
@@ -257,16 +261,20 @@ def test_course_names_equal_to_the_private_ones_are_no_warning(
 
 
 def experiment_on(
-    monkeypatch: "pytest.MonkeyPatch", output: str = "motor_output/output"
+    monkeypatch: "pytest.MonkeyPatch", output: str = "motor_output/output", *others: str
 ) -> Tuple[Any, mock.MagicMock]:
-    """Return an experiment of /identify, of which the master knows an earlier one, and its node."""
+    """Return an experiment of /identify, of which the master knows an earlier one, and its node.
+
+    :param others: other nodes that drive the motor
+    """
     master = mock.MagicMock()
     known = master.return_value.__enter__.return_value
-    known.system_state.return_value.publishers = [("/motor_input", ["/identify"])]
+    known.system_state.return_value.publishers = [("/motor_input", ["/identify", *others])]
     known.topic_types.return_value = {
         "/motor_input": "pid_control/motor_input",
         "/motor_output": "pid_control/motor_output",
         "/array": "std_msgs/Float64MultiArray",
+        "/foreign": "no_such_package/Type",
     }
     monkeypatch.setattr(live_experiment, "MasterClient", master)
     monkeypatch.setattr("rospy.get_time", lambda: 0.0)
@@ -293,9 +301,34 @@ def test_identify_begins_with_the_first_output_and_ends_with_an_input_of_0(
     for time in range(110):
         experiment._send(0.1 * time)
     assert 0.0 < max(sent[:-1]) <= 1.0 and len(sent) > 90 and sent[-1] == 0.0
+    experiment._end()
     assert abort.call_count == 1  # one output is no record
     # A paused clock is a silent plant too.
     assert node.create_timer.call_args_list[1][1] == {"steady": True}
+
+
+@pytest.mark.parametrize(
+    "output, others, error, why",
+    [
+        (
+            "motor_output/output",
+            ["/a", "/b"],
+            DriveError,
+            r"/motor_input: driven .* \(/a, /b\);",
+        ),
+        ("foreign/x", [], DriveError, r"/foreign: .* not installed \(no_such_package/Type\)"),
+        ("motor_output/speed", [], FieldError, "/motor_output/speed: unknown field 'speed'"),
+    ],
+)
+def test_identify_names_what_it_cannot_drive_or_hear(
+    output: str,
+    others: List[str],
+    error: Type[Exception],
+    why: str,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    with pytest.raises(error, match=why):
+        experiment_on(monkeypatch, output, *others)
 
 
 def test_identify_element_of_an_array_is_an_output(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -125,6 +125,13 @@ def test_integral_does_not_wind_up() -> None:
     assert time_at_limit(NONE) > 1.0
 
 
+def test_clamping_lets_the_integral_return_while_the_output_is_limited() -> None:
+    law = Pid(PidSettings(PI, 0.0, 1.0, feed_forward=1.0))
+    for number in range(10):
+        terms = law.update(5.0, 6.0, DT)
+        assert terms.output == 1.0 and terms.integral == pytest.approx(-DT * (number + 1))
+
+
 def test_back_calculation_follows_with_its_time_constant() -> None:
     law = Pid(PidSettings(PI, 0.0, 1.0, anti_windup=BACK_CALCULATION, tracking_time=0.5))
     # In the steady state the excess v - 1 decays as fast as the error of 1 adds to it.

@@ -33,12 +33,14 @@ def test_examine_noise_of_any_correlation_fits(alike: float) -> None:
 def test_examine_residual_that_depends_on_the_input_does_not_fit(
     power: int, dead_time: float
 ) -> None:
-    """Also on its square, and on an input of long ago."""
+    """Also on its square, and on an input of long ago; whatever the unit of the input."""
     record, noise = record_and_noise(1, 0.0)
     held = numpy.searchsorted(record.changed_at, TIMES - dead_time, side="right") - 1
     acting = record.inputs[numpy.maximum(held, 0)] ** power
-    found = examine(record, noise + 0.5 * acting, MODEL._replace(dead_time=dead_time))
-    assert found.follows_input and not found.fits
+    for unit in (1.0, 1e-4, 1e4):
+        scaled = record._replace(inputs=unit * record.inputs)
+        found = examine(scaled, noise + 0.5 * acting, MODEL._replace(dead_time=dead_time))
+        assert found.follows_input and not found.fits, unit
 
 
 def test_examine_few_independent_outputs_cannot_tell() -> None:

@@ -8,14 +8,14 @@ from unittest import mock
 
 import pytest
 
-from pid_control.commands import judge, judge_signals, judging_command
+from pid_control.commands import identify, judge, judge_signals, judging_command, tune
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.verdicts.judgement import Cause, Failure, Judgement
 
 #: What a class run judges in each package.
-NAMED = ["both.launch", "gain:=2"]
+NAMED = ["both.launch", "gain:=2", "--fast"]
 GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
 SIMULATED = """
 <launch>
@@ -83,8 +83,20 @@ def test_judge_invalid_request_names_the_problem(
     with pytest.raises(SystemExit) as end:
         judge.main()
     output, errors = capsys.readouterr()
-    assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
+    assert end.value.code == 125
+    assert says.format(folder=tmp_path) in (output + errors).splitlines()[-1]
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("command", [identify, judge, judge_signals, tune])
+def test_version_is_that_of_this_package(
+    command: Any, capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    name = command.__name__.rpartition(".")[2]
+    monkeypatch.setattr(sys, "argv", [name, "--version"])
+    with pytest.raises(SystemExit):
+        command.main()
+    assert capsys.readouterr().out.startswith(f"{name} of pid_control ")
 
 
 def test_judge_rejected_words_of_rostest_and_scenarios_in_their_order() -> None:

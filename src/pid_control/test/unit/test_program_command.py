@@ -8,12 +8,14 @@ from typing import List, Optional
 import pytest
 
 from nodekit.testing.waiting import wait_until
+from pid_control.programs import program_command
 from pid_control.programs.program_command import (
     CommandError,
     ProgramCommand,
     find_controller,
     find_files,
     near_names,
+    workspace_environment,
 )
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.programs.python_program import start_words
@@ -195,6 +197,15 @@ def test_start_words_other_python_than_that_of_ros_is_not_used(tmp_path: pathlib
     assert start_words(str(program), {"PATH": str(tmp_path)}) == ([str(program)], [])
 
 
+def test_start_words_interpreter_with_a_long_path_is_found(tmp_path: pathlib.Path) -> None:
+    program, folder = tmp_path / "controller", tmp_path / ("x" * (200 - len(str(tmp_path))))
+    folder.mkdir()
+    (folder / "python3").symlink_to(sys.executable)
+    program.write_text(f"#!{folder}/python3\n")
+    program.chmod(0o755)
+    assert start_words(str(program), {"PATH": ""}) == ([str(program)], [])
+
+
 def test_find_controller_compiled_program_is_started_as_it_is(tmp_path: pathlib.Path) -> None:
     program = tmp_path / "controller.py"  # its target in CMakeLists.txt may be called so
     program.write_bytes(b"\x7fELF\x02\x01")
@@ -224,6 +235,23 @@ def test_find_controller_of_launch_file_starts_python_node(
     assert command.argv[:3] == [sys.executable, str(program), "__name:=control"]
     problem = "interpreter not found (no_python)"
     assert command.notes == [f"{program}: {problem}; started with python3"]
+
+
+def test_workspace_environment_is_that_of_devel_and_a_script_that_hangs_is_named(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    for name in ("devel", "install"):
+        script = tmp_path / name / "env.sh"
+        script.parent.mkdir()
+        script.write_text(f'#!/bin/sh\nFROM={name} TEXT="a=b\nc" exec "$@"\n')
+        script.chmod(0o755)
+    found = workspace_environment(str(tmp_path))
+    assert (found["FROM"], found["TEXT"]) == ("devel", "a=b\nc")
+    assert workspace_environment(str(tmp_path / "install"))["FROM"] == "install"
+    monkeypatch.setattr(program_command, "_ENVIRONMENT_S", 0.1)
+    (tmp_path / "devel" / "env.sh").write_text("#!/bin/sh\nexec sleep 60\n")
+    with pytest.raises(CommandError, match=r"devel/env\.sh fails: .*timed out"):
+        workspace_environment(str(tmp_path))
 
 
 def package_with_launch_file(tmp_path: pathlib.Path, launch: str) -> pathlib.Path:

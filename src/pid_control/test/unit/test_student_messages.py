@@ -33,11 +33,12 @@ def read(tmp_path: pathlib.Path, name: str, definitions: Dict[str, str]) -> Stud
 
 @pytest.mark.parametrize("field", ["setpoint", "set_point", "value", "data", "reference"])
 def test_own_set_point_is_followed_by_its_first_float(tmp_path: pathlib.Path, field: str) -> None:
-    found = read(tmp_path, "pid_control", {"set_point": f"float64 time\nfloat32 {field}\n"})
+    times = "float64 time\nfloat64 stamp\nfloat64 t\n"
+    found = read(tmp_path, "pid_control", {"set_point": f"{times}float32 {field}\n"})
     message = found.by_topic["set_point"]
     assert (message.field, message.is_of_course) == (field, False)
     filled = message.filled(1.5, 2.0)
-    assert (getattr(filled, field), filled.time) == (1.5, 2.0)
+    assert (getattr(filled, field), filled.time, filled.stamp, filled.t) == (1.5, 2.0, 2.0, 2.0)
     assert any(
         f"float32 {field}" in note and "float32 setPoint" in note for note in found.command.notes
     )
@@ -60,6 +61,14 @@ def test_own_messages_have_the_definition_that_the_controller_imports(
     own: Any = found.by_topic["set_point"].message_class
     assert done.stdout.split() == [own._md5sum, "0.0"]
     assert own._md5sum != set_point._md5sum
+
+
+def test_own_message_with_a_comment_that_is_not_utf8_is_used(tmp_path: pathlib.Path) -> None:
+    read(tmp_path, "reto", {"set_point": "float32 q\n"})
+    package, scratch = tmp_path / "package", str(tmp_path / "again")
+    (package / "msg" / "set_point.msg").write_bytes(b"float32 r  # Gr\xf6\xdfe\n")
+    command = ProgramCommand("x", ["x"], {}, {}, {}, package=str(package))
+    assert read_messages(command, scratch).by_topic["set_point"].field == "r"
 
 
 def test_empty_set_point_of_the_template_is_that_of_the_course(tmp_path: pathlib.Path) -> None:

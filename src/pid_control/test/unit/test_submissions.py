@@ -54,7 +54,7 @@ def found(tmp_path: pathlib.Path) -> List[Tuple[str, str]]:
         str(tmp_path / "class"), ProgramFinder("controller.py", [], {}), scratch
     )
     for one in submissions:
-        assert bool(one.package) != bool(one.why)
+        assert bool(one.package) != bool(one.why) and os.sep not in one.entry
         assert not one.package or os.path.isfile(os.path.join(one.package, "package.xml"))
     return [(one.name, one.why) for one in submissions]
 
@@ -323,7 +323,18 @@ def test_roster_names_the_student_of_a_file_that_is_not_unpacked(tmp_path: pathl
 
 
 @pytest.mark.parametrize(
-    "heading, names", [("Folder,Name", ["a"]), ("id, student,mark", ["a"]), ("b,Name", ["b", "a"])]
+    "heading, names",
+    [
+        ("Folder,Name", ["a"]),
+        ("id, student,mark", ["a"]),
+        ("Entry,Student name", ["a"]),
+        ("archive,full name", ["a"]),
+        ("Submission,Group", ["a"]),
+        ("File,User", ["a"]),
+        ("login,students", ["a"]),
+        ("Username,Name", ["a"]),
+        ("b,Name", ["b", "a"]),
+    ],
 )
 def test_roster_heading_is_skipped(tmp_path: pathlib.Path, heading: str, names: List[str]) -> None:
     path = tmp_path / "roster.csv"

@@ -131,12 +131,6 @@ class SignalBench:
         except Exception:  # of any type: a student's node may reply anything
             return set()
 
-    def nodes(self) -> Set[str]:
-        """Return the names of all nodes on the master except this one and rosout."""
-        state = rospy.get_master().getSystemState()[2]
-        names = {str(node) for part in state for _, nodes in part for node in nodes}
-        return names - {rospy.get_name(), "/rosout"}
-
     def _uri(self, node: str) -> Optional[str]:
         with contextlib.suppress(OSError, rosgraph.MasterException, xmlrpc.client.Error):
             return str(rosgraph.Master(NAME).lookupNode(node))

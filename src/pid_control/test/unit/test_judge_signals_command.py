@@ -8,7 +8,7 @@ from unittest import mock
 import pytest
 
 from pid_control.commands import judge_signals, judging_command
-from pid_control.signal_judging.evidence import CourseworkEvidence
+from pid_control.signal_judging.evidence import PROCESS, CourseworkEvidence
 from pid_control.signal_runner import coursework_bench
 
 
@@ -49,7 +49,8 @@ def test_judge_signals_invalid_request_names_the_problem(
     with pytest.raises(SystemExit) as end:
         judge_signals.main()
     output, errors = capsys.readouterr()
-    assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
+    assert end.value.code == 125
+    assert says.format(folder=tmp_path) in (output + errors).splitlines()[-1]
     assert sorted(tmp_path.iterdir()) == before
 
 
@@ -62,11 +63,17 @@ def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
     monkeypatch.setattr(coursework_bench, "CourseworkBench", bench)
     monkeypatch.setattr(coursework_bench, "find_request", find)
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
-    monkeypatch.setattr(sys, "argv", ["judge_signals", "--only", "launch", "anna"])
+    options = ["--only", "launch", "--nodes", "a.py,b.py", "--proc-signal", "/y", "--real-time"]
+    monkeypatch.setattr(sys, "argv", ["judge_signals", *options, "--time-limit", "9", "anna", "x"])
     with pytest.raises(SystemExit) as end:
         judge_signals.main()
-    assert end.value.code == 0 and find.call_args[0][1] == ["launch"]
+    assert end.value.code == 0
+    find.assert_called_once_with(["anna", "x"], ["launch"], None)
+    find.return_value._replace.assert_called_once_with(
+        programs=["a.py", "b.py"], real_time=True, time_limit=9.0, given={PROCESS: "/y"}
+    )
     bench.return_value.close.assert_called_once_with()
     output = capsys.readouterr().out
     assert "note: launch file: a.launch" in output
+    assert "launch    nodes that no launch file starts  0" in output
     assert output.endswith("passed: all 1 figures of 1 scenario\n")

@@ -1,17 +1,22 @@
 """Tests of the bench and the session of a coursework, without a master."""
 
 import math
+import os
 import threading
 from typing import Any, List
 from unittest import mock
 
 import pytest
+import rosgraph
+import rospkg
+from std_msgs.msg import Float32, String
 
 from pid_control.msg import motor_input
+from pid_control.programs.node_queries import NodeTopics
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.channels import Channel
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, FailedTrial
-from pid_control.signal_runner import coursework_bench, signal_session
+from pid_control.signal_runner import coursework_bench, signal_bench, signal_session
 from pid_control.signal_runner.coursework_bench import CourseworkBench, CourseworkRequest
 from pid_control.signal_runner.signal_bench import SignalBench
 from pid_control.signal_runner.signal_session import SignalSession
@@ -110,10 +115,82 @@ def test_coursework_bench_has_the_notes_of_the_latest_coursework_and_ends_its_ma
         assert bench.notes == said
     folders = [call[0][2] for call in generate.call_args_list]
     assert folders[0] != folders[1]  # generated modules of one would hide those of the other
+    # Classes of a package that is built in this shell are not replaced.
+    for is_built_here, is_built, path in (
+        (False, False, "/scratch/messages3:/before"),
+        (False, True, "/before"),
+        (True, False, "/before"),
+    ):
+        classes = {"anna/x": mock.Mock()}
+        generate.return_value, found.side_effect = classes, [mock.Mock(notes=[])]
+        monkeypatch.setattr(coursework_bench, "_is_built", lambda *_: is_built_here)
+        before = {"PYTHONPATH": "/before"}
+        bench.run(CourseworkRequest("/anna", [], [], before, is_built))
+        bench._bench.use_classes.assert_called_with({} if is_built_here else classes)
+        assert found.call_args[0][2] == {"PYTHONPATH": path} and bench.notes == ["of the session"]
+    bench._master.is_running.return_value = False
+    found.side_effect = [mock.Mock(notes=[])]
+    with pytest.raises(JudgingError, match="the judge's own master ended"):
+        bench.run(CourseworkRequest("/anna", [], [], {}))
     bench._bench.close.side_effect = RuntimeError
     with pytest.raises(RuntimeError):
         bench.close()
     bench._master.close.assert_called_once_with()
+
+
+def test_package_is_built_here_only_in_this_folder_with_these_messages() -> None:
+    folder = rospkg.RosPack().get_path("std_msgs")
+    for place, message_class, is_built in (
+        (folder, Float32, True),
+        ("/tmp", Float32, False),
+        (folder, mock.Mock(_md5sum="0"), False),
+    ):
+        classes = {"std_msgs/String": String, "std_msgs/Float32": message_class}
+        assert coursework_bench._is_built(place, "std_msgs", classes) is is_built
+    assert not coursework_bench._is_built(folder, "std_msgs", {"std_msgs/None": Float32})
+    assert not coursework_bench._is_built("/tmp", "no_such_package", {})
+
+
+def test_request_has_the_environment_of_the_workspace(monkeypatch: "pytest.MonkeyPatch") -> None:
+    """The package is found there too."""
+    find = mock.Mock(return_value="/anna")
+    monkeypatch.setattr(coursework_bench, "package_folder", find)
+    monkeypatch.setattr(coursework_bench, "workspace_environment", lambda place: {"FROM": place})
+    request = coursework_bench.find_request(["anna", "a.launch", "x:=1"], ["launch"], "/ws")
+    assert request[:5] == ("/anna", ["a.launch", "x:=1"], ["launch"], {"FROM": "/ws"}, True)
+    find.assert_called_once_with("anna", {"FROM": "/ws"})
+    request = coursework_bench.find_request(["anna"], ["launch"])
+    assert (request.environment, request.is_built) == (dict(os.environ), False)
+
+
+def test_signal_bench_asks_a_node_for_its_own_topics(monkeypatch: "pytest.MonkeyPatch") -> None:
+    bench: Any = SignalBench.__new__(SignalBench)
+    master, ask = mock.Mock(), mock.Mock()
+    monkeypatch.setattr("rosgraph.Master", master)
+    master.return_value.lookupNode.side_effect = {"/a": "http://a"}.__getitem__
+    monkeypatch.setattr(signal_bench, "ask_topics", ask)
+    monkeypatch.setattr(signal_bench, "ask_links", ask)
+    ask.return_value = NodeTopics({"/s": "F", "/rosout": "L"}, {"/t": "F", "/clock": "C"})
+    assert bench.topics_of("/a") == ({"/s": "F"}, {"/t": "F"})
+    ask.return_value = {"/t"}
+    assert bench.links_of("/a") == {"/t"}
+    assert {call[0][1] for call in ask.call_args_list} == {"http://a"}
+    ask.side_effect = KeyError
+    assert (bench.topics_of("/a"), bench.links_of("/a")) == (None, set())
+    for error in (rosgraph.MasterError, OSError):
+        master.return_value.lookupNode.side_effect = error
+        assert (bench.topics_of("/a"), bench.links_of("/a")) == (None, set())
+
+
+def test_coursework_bench_without_its_node_leaves_no_master(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    master = mock.Mock()
+    monkeypatch.setattr(coursework_bench, "PrivateMaster", master)
+    monkeypatch.setattr(signal_bench, "SignalBench", mock.Mock(side_effect=KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        CourseworkBench()
+    master.return_value.close.assert_called_once_with()
 
 
 def test_signal_bench_counts_records_and_forgets(monkeypatch: "pytest.MonkeyPatch") -> None:

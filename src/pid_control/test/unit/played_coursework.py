@@ -40,6 +40,8 @@ class Machine:
         #: Every command that was started, and names of the nodes that were ended.
         self.commands: List[List[str]] = []
         self.ended: List[str] = []
+        #: Time of the clock at each of these starts [s].
+        self.started_at: List[float] = []
         #: Number of started nodes from which the machine is late.
         self.late_from = math.inf
 
@@ -70,6 +72,7 @@ class PlayedNode:
         self.machine, self.space = machine, space.partition(":=")[2].rstrip("/")
         self.name = f"{self.space}/{name.partition(':=')[2]}"
         machine.commands.append(command.argv)
+        machine.started_at.append(machine.now)
         self.published: Dict[str, str] = {}
         self.subscribed: Dict[str, str] = {}
         self.heard: Dict[str, float] = {}

@@ -46,7 +46,7 @@ def test_negative_plant_gain_negates_all_gains() -> None:
         assert gains.kp < 0.0 and gains.ki < 0.0 and gains.kd <= 0.0
 
 
-@pytest.mark.parametrize("gain", [2.0, 1e-4, 2e5, 3e7])
+@pytest.mark.parametrize("gain", [2.0, 1e-4, 3e7])
 @pytest.mark.parametrize("method", METHODS)
 def test_yaml_is_valid_for_the_controller(method: str, gain: float) -> None:
     gains = gains_of(MODEL._replace(gain=gain), PERIOD)[method]

@@ -109,6 +109,8 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     found = find_coursework(folder, [], dict(ENVIRONMENT))
     assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
     assert found.missing == "the package has no launch file"
+    assert [node.global_name for node in found.nodes] == ["/my_process", "/sin_gen"]
+    assert "my_process.py and sin_gen.py are started without a launch file" in found.notes
     (tmp_path / "scripts" / "gen_tools.py").write_text("")  # no node
     for programs in ([], ["sin_gen.py", "my_process.py"]):
         found = find_coursework(folder, [], dict(ENVIRONMENT), programs)
@@ -169,6 +171,33 @@ def test_find_coursework_prefers_the_launch_file_with_fitting_names(
     launch = {"a.launch": talk, "b.launch": both, "c.launch": both}
     folder = package(tmp_path, launch, "talker.py", "listener.py", "signal.py", "process.py")
     assert find_coursework(folder, [], dict(ENVIRONMENT)).launch_file.endswith("b.launch")
+    for name in ("b.launch", "c.launch"):
+        (tmp_path / name).unlink()
+    found = find_coursework(folder, [], dict(ENVIRONMENT))  # by the names of the programs
+    assert [node.program for node in found.nodes] == ["process.py", "signal.py"]
+    assert (found.launch_file, found.missing) == ("", "a.launch starts other nodes")
+    (tmp_path / "scripts" / "signal.py").unlink()
+    assert find_coursework(folder, [], dict(ENVIRONMENT)).launch_file.endswith("a.launch")
+
+
+def test_find_coursework_takes_built_programs_and_sources_of_scripts(
+    tmp_path: pathlib.Path,
+) -> None:
+    place, built = tmp_path / "src", tmp_path / "devel" / "lib" / "anna"
+    place.mkdir()
+    launch = {"a.launch": node("process", name="process") + node("signal.py")}
+    folder = package(place, launch, "process", "signal.py")
+    built.mkdir(parents=True)
+    for name in ("process", "signal.py"):
+        (built / name).write_bytes(b"\x7fELF")
+        (built / name).chmod(0o755)
+    environment = {**ENVIRONMENT, "CMAKE_PREFIX_PATH": str(tmp_path / "devel")}
+    found = find_coursework(folder, [], environment)
+    paths = [str(built / "process"), str(place / "scripts" / "signal.py")]
+    assert [node.command.name for node in found.nodes] == paths
+    (place / "scripts" / "signal.py").unlink()
+    found = find_coursework(folder, [], environment)
+    assert found.nodes[1].command.name == str(built / "signal.py")
 
 
 def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Path) -> None:
@@ -194,7 +223,9 @@ def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> N
 
 
 def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) -> None:
-    folder = package(tmp_path, {}, "process.py", "talker.py")
+    folder = package(tmp_path, {}, "signal.py", "talker.py")
+    assert not has_coursework(folder)
+    (tmp_path / "scripts" / "signal.py").rename(tmp_path / "scripts" / "process.py")
     assert not has_coursework(folder)
     (tmp_path / "scripts" / "process_signal.py").write_text("")  # one node is not two
     assert not has_coursework(folder)
@@ -292,7 +323,10 @@ def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
     a = topics({"/s": "F"}, {})
     for b in (topics({"/p": "F"}, {"/s": "D"}), topics({}, {"/s": "F"})):
         assert choose_pair([one, other], {one.global_name: a, other.global_name: b}) is None
-    text = describe_topics([one, other], {one.global_name: a})
+    a = topics({"/t": "D", "/s": "F"}, {"/v": "F", "/u": "F"})
+    text = describe_topics([one, other], {one.global_name: a, other.global_name: topics({}, {})})
     assert text == (
-        "process_node.py publishes /s (F) and subscribes to nothing; sig_gen.py does not answer"
+        "process_node.py publishes /s (F), /t (D) and subscribes to /u (F), /v (F);"
+        " sig_gen.py publishes nothing and subscribes to nothing"
     )
+    assert describe_topics([other], {}) == "sig_gen.py does not answer"

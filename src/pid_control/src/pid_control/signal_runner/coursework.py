@@ -239,9 +239,11 @@ class _Finder:
                 problems.append(f"{place} {missing}")
             if len(found.nodes) >= 2 and _score(found) > (_score(best) if best else -1):
                 best = found
-        if best is not None and (_score(best) > 0 or not self._by_names()):
+        if best is not None and (_score(best) > 0 or len(self._by_names()) < 2):
             return best
         nodes = self._by_names()
+        if best is not None:
+            problems.append(f"{os.path.relpath(best.launch_file, self._folder)} starts other nodes")
         if len(nodes) < 2:
             why = "; ".join(problems) or "it has no launch file"
             raise CommandError(

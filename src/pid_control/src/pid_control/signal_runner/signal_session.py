@@ -254,7 +254,7 @@ class SignalSession:
         while trial.now - begin < _LONGEST_S:
             signal, _ = self._channels(pair, begin)
             sine = signal_features(signal).sine
-            if sine is not None and sine.periods >= _PERIODS and trial.now - begin >= _SHORTEST_S:
+            if sine is not None and sine.periods >= _PERIODS:
                 return
             left = _LONGEST_S - (trial.now - begin)
             wanted = _SHORTEST_S

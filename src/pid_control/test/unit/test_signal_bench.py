@@ -13,6 +13,7 @@ from std_msgs.msg import Float32, String
 
 from pid_control.msg import motor_input
 from pid_control.programs.node_queries import NodeTopics
+from pid_control.programs.package_messages import MessageTypeError
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.channels import Channel
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, FailedTrial
@@ -218,8 +219,14 @@ def test_signal_bench_subscribes_only_to_the_latest_topics() -> None:
     bench._lock, bench._subscriptions = threading.Lock(), {}
     bench._node, bench._scope = mock.Mock(), mock.Mock()
     before = bench._scope
-    bench.listen({})
+    bench.use_classes({"anna/Wave": Float32})
+    bench.listen({"/wave": "anna/Wave", "/text": "std_msgs/String"})
     before.close.assert_called_once_with()
+    heard = bench._node.create_scope.return_value.create_subscription.call_args_list
+    assert [call[0][:2] for call in heard] == [("/wave", Float32), ("/text", String)]
+    bench.use_classes({})
+    with pytest.raises(MessageTypeError, match=r"/wave: type not found \(anna/Wave\)"):
+        bench.listen({"/wave": "anna/Wave"})
 
 
 def test_repeated_record_forgets_failures_of_the_first(

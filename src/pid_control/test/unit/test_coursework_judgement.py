@@ -152,7 +152,7 @@ def test_seldom_messages_are_a_slow_loop_only_at_regular_times(interval: Any, sa
             "the output goes down to -0.5: its offset is 0.5, where at least 1 is needed",
         ),
         (
-            {"constants": {"amplitude": 1.0, "omega": 2.0}},
+            {"constants": {"amplitude": 1.0, "samples": 5.0, "omega": 2.0}},
             "fields",
             "the messages have amplitude 1, omega 2, but the signal's amplitude is 2",
         ),
@@ -236,6 +236,9 @@ def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None
             "/angle_deg", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True
         ),
         ParameterEffect("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
+        ParameterEffect(
+            "/angle_rad", 1.0 - 2.0 * math.pi, "phase_shift", {PROCESS}, is_predicted=True
+        ),
         ParameterEffect("/angle", 1.19, "phase_shift", {PROCESS}, is_predicted=True),  # one sample
         ParameterEffect("/phase_samples", 10.0, "phase_shift", {PROCESS}),
         ParameterEffect("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
@@ -384,6 +387,8 @@ def test_too_short_record_cannot_be_judged() -> None:
     found.parameters = found.restart = None
     judgement = judge(found, LIMITS, ["signal", "process"])
     assert judgement.verdict == NOT_JUDGED
+    measured = [one.metric for one in judgement.findings if one.scenario == "process"]
+    assert measured == ["rate", "not_finite"]
     assert judge(found, LIMITS, ["launch"]).verdict == PASSED  # needs no signal
     # Nor can a ramp, which may be a slow sine.
     ramp = judge(evidence(signal=lambda time: time), LIMITS, ["signal", "process"])

@@ -12,6 +12,7 @@ from pid_control.signal_judging.evidence import (
     FailedTrial,
 )
 from pid_control.signal_judging.metric_values import Figures, figures_of, frequencies_of, is_known
+from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of
 from pid_control.signal_judging.scenarios import METRICS
 from pid_control.verdicts.judgement import (
     FAILED,
@@ -203,7 +204,7 @@ def _fields(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     stated = ", ".join(
         f"{name} {value:g}"
         for name, value in baseline.constants.items()
-        if any(part in name.lower() for part in ("ampl", "freq", "omega"))
+        if role_of(name, GENERATOR_ROLES) in ("amplitude", "frequency")
     )
     return Cause(
         "fields",

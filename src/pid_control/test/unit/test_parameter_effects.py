@@ -113,6 +113,7 @@ def test_is_number_excludes_truth_values() -> None:
         (with_process(offset=1.6), {PROCESS}),
         (with_process(shape="rectified"), {PROCESS}),
         (with_process(rate=20.0), {PROCESS}),
+        (with_process(distortion=0.5), {PROCESS}),
         (with_process(not_finite=1), {PROCESS}),
         (BEFORE._replace(process=None), {PROCESS}),
     ],
@@ -122,6 +123,7 @@ def test_changed_nodes_names_nodes_with_different_features(
 ) -> None:
     assert changed_nodes(BEFORE, after) == nodes
     assert changed_nodes(after, BEFORE) == nodes
+    assert changed_nodes(after, after) == set()
 
 
 @pytest.mark.parametrize(

@@ -198,7 +198,7 @@ def test_start_words_other_python_than_that_of_ros_is_not_used(tmp_path: pathlib
 
 
 def test_start_words_interpreter_with_a_long_path_is_found(tmp_path: pathlib.Path) -> None:
-    program, folder = tmp_path / "controller", tmp_path / ("x" * (200 - len(str(tmp_path))))
+    program, folder = tmp_path / "controller.py", tmp_path / ("x" * (200 - len(str(tmp_path))))
     folder.mkdir()
     (folder / "python3").symlink_to(sys.executable)
     program.write_text(f"#!{folder}/python3\n")

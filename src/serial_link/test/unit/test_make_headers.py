@@ -3,6 +3,7 @@
 import io
 import pathlib
 import random
+import re
 import struct
 import subprocess
 from typing import Any, Dict, List, NamedTuple, Tuple
@@ -275,7 +276,9 @@ def test_headers_and_genpy_decode_equally(board: Board) -> None:
     for (number, message), answer in zip(sent, answers):
         name, generated = board.known[number]
         assert answer.md5sum == generated._md5sum, name
-        assert name in [answer.datatype.replace("/", "::") + end for end in ENDS]
+        is_part = roslib.message.get_message_class(generated._type) is None  # of a service
+        datatype = re.sub("Request$|Response$", "", name) if is_part else name
+        assert answer.datatype.replace("/", "::") == datatype
         assert answer.was_read_whole == "1", name
         assert answer.content == encoded(message).hex(), name
         assert answer.shown == leaves(message), name
@@ -323,7 +326,13 @@ int main() {
   // Or the memory of a board would soon be full.
   if (it.data != room || allocations != 1) return 2;
   fwrite(it.data, 8, it.data_length, stdout);
-  return 0;
+  unsigned char one[4] = {1}, two[4] = {2};
+  uint32_t length_now, capacity = 0;
+  int *elements;
+  serial_link::get_length(one, length_now, capacity, elements);
+  elements[0] = 7;  // what an element owns is not lost when the array grows
+  serial_link::get_length(two, length_now, capacity, elements);
+  return elements[0] == 7 && elements[1] == 0 ? 0 : 6;
 }
 """
 
@@ -375,12 +384,26 @@ def test_services_of_same_name_in_two_packages_coexist(tmp_path: pathlib.Path) -
     subprocess.check_call([str(tmp_path / "program")])
 
 
-def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
-    kinds = ((False, None, "new"), (True, 3, "this"), (True, None, "class"))
-    text = CppClass("Odd", "odd/Odd", "0", (), tuple(Field("bool", *kind) for kind in kinds))
-    lines = header("odd", "Odd", [text]).splitlines()
-    assert "  _new_type new_;" in lines and "  _this_type this_[3];" in lines
-    assert "  _class_type *class_;" in lines
+#: Keywords and alternative tokens of C++11.
+KEYWORDS = """
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t class
+compl const const_cast constexpr continue decltype default delete do double dynamic_cast else enum
+explicit export extern false float for friend goto if inline int long mutable namespace new noexcept
+not not_eq nullptr operator or or_eq private protected public register reinterpret_cast return short
+signed sizeof static static_assert static_cast struct switch template this thread_local throw true
+try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
+""".split()
+
+
+@pytest.mark.parametrize("kind", [(False, None), (True, 3), (True, None)])
+def test_field_may_have_the_name_of_a_keyword(kind: Any, tmp_path: pathlib.Path) -> None:
+    names = tuple(Field("bool", *kind, word) for word in KEYWORDS)
+    text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (), names)])
+    make_headers.write({WIRE_PATH: WIRE_HEADER, "odd/Odd.h": text}, tmp_path)
+    (tmp_path / "program.cpp").write_text('#include "odd/Odd.h"\nodd::Odd it;\n')
+    command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-I.", *LIBRARIES]
+    subprocess.check_call([*command, "program.cpp"], cwd=str(tmp_path))
+    assert all(f"{member(word)}" == f"{word}_" for word in KEYWORDS)
 
 
 MACROS = """
@@ -402,10 +425,29 @@ def test_field_may_have_the_name_of_a_macro_of_arduino(tmp_path: pathlib.Path) -
     subprocess.check_call([*command, "program.cpp"], cwd=str(tmp_path))
 
 
-def test_text_constants_are_functions() -> None:
-    constant = Constant("string", "GREETING", 'say "hi" \\ # all of it')
+@pytest.mark.parametrize(
+    "base, value, expected",
+    [
+        ("string", 'say "hi" \\ #', 'static const char *IT() { return "say \\"hi\\" \\\\ #"; }'),
+        ("bool", "True", "static constexpr bool IT = 1;"),
+        ("bool", "2", "static constexpr bool IT = 1;"),
+        ("bool", "False", "static constexpr bool IT = 0;"),
+        ("bool", "0", "static constexpr bool IT = 0;"),
+        ("int8", "-3", "static constexpr int8_t IT = -3;"),
+        ("uint8", "007", "static constexpr uint8_t IT = 7;"),
+        ("byte", "-3", "static constexpr int8_t IT = -3;"),
+        ("char", "65", "static constexpr uint8_t IT = 65;"),
+        ("uint64", str(2**63), f"static constexpr uint64_t IT = {2**63};"),
+        ("float32", "2", "static constexpr float IT = 2.0;"),
+        ("float64", "-1e-3", "static constexpr serial_link::float64 IT = -0.001;"),
+    ],
+)
+def test_constants_have_the_type_and_value_of_the_definition(
+    base: str, value: str, expected: str
+) -> None:
+    constant = Constant(base, "IT", value)
     text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (constant,), ())])
-    assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
+    assert f"  {expected}" in text.splitlines()
 
 
 def test_header_of_a_message_with_a_time_includes_that_of_the_library() -> None:
@@ -438,6 +480,15 @@ def test_headers_are_in_the_folder_of_the_help_by_default(
     monkeypatch.setattr(make_headers, "build_headers", lambda packages: {"a/B.h": "text"})
     make_headers.main()
     assert (tmp_path / "ros_headers" / "a" / "B.h").read_text() == "text"
+
+
+def test_misspelt_option_is_refused(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr("sys.argv", ["make_headers", "std_msgs", "--arduinos"])
+    with pytest.raises(SystemExit):
+        make_headers.main()
+    assert "unrecognized arguments: --arduinos" in capsys.readouterr().err
 
 
 def test_types_within_a_service_are_included() -> None:

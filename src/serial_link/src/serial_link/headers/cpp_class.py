@@ -6,6 +6,7 @@ pointer for a string, the include guards of its generator, and a member ``st_NAM
 the array NAME. A float64 is a double if the board's double has 8 bytes, else a float.
 """
 
+import ast
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Tuple
 
 from nodekit.message_definitions import TIMES, Constant, Field
@@ -21,13 +22,15 @@ _NUMBERS: Dict[str, str] = {
     **{f"uint{bits}": f"uint{bits}_t" for bits in (8, 16, 32, 64)},
 }
 _OF_ROS = {"time": "ros::Time", "duration": "ros::Duration"}
-#: Reserved words of C++; fields of this name get an underscore appended.
+#: Keywords and alternative tokens of C++11; fields of this name get an underscore appended.
 _WORDS = frozenset(
-    "alignas alignof and asm auto bool break case catch char class compl const continue default "
-    "delete do double else enum explicit export extern false float for friend goto if inline int "
-    "long mutable namespace new not operator or private protected public register return short "
-    "signed sizeof static struct switch template this throw true try typedef typename union "
-    "unsigned using virtual void volatile while xor".split()
+    "alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t "
+    "class compl const const_cast constexpr continue decltype default delete do double "
+    "dynamic_cast else enum explicit export extern false float for friend goto if inline int long "
+    "mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected public "
+    "register reinterpret_cast return short signed sizeof static static_assert static_cast struct "
+    "switch template this thread_local throw true try typedef typeid typename union unsigned using "
+    "virtual void volatile wchar_t while xor xor_eq".split()
 )
 
 
@@ -146,8 +149,8 @@ def _constant(constant: Constant) -> str:
         return f'static const char *{name}() {{ return "{text}"; }}'
     if constant.base.startswith("float"):
         return f"static constexpr {_NUMBERS[constant.base]} {name} = {float(constant.value)!r};"
-    value = int(constant.value in ("True", "true", "1")) if constant.base == "bool" else None
-    number = int(constant.value, 0) if value is None else value
+    is_bool = constant.base == "bool"  # the values are read as by genmsg
+    number = int(bool(ast.literal_eval(constant.value))) if is_bool else int(constant.value)
     return f"static constexpr {_NUMBERS[constant.base]} {name} = {number};"
 
 

@@ -318,6 +318,31 @@ def test_topics_are_requested_again_if_the_answer_may_have_been_damaged(rig: Rig
     rig.link._sync._asked_at = -math.inf
     rig.link._receive_bytes(2.0, encode(LOG, encode_log(INFO, "good")))
     assert rig.link._sync.state == SEEKING
+    rig.link._receive_bytes(3.0, b"damaged" + encode(LOG, encode_log(INFO, "good")))
+    assert rig.link._sync.state == ASKED
+
+
+@pytest.mark.parametrize(
+    ("frame", "state"),
+    [
+        (encode(PUBLISHER, encode_topic(TopicInfo(126, "new", "a/B", "d" * 32, 512))), SYNCED),
+        (encode(125, b""), SYNCED),
+        (encode(200, b""), SYNCED),
+        (encode(TIME, bytes(8)), PROBING),
+        (encode(LOG, encode_log(INFO, "text")), SILENT),
+        (encode(PARAMETER, encode_name("gain")), SILENT),
+        (encode(99, b""), SILENT),
+    ],
+)
+@pytest.mark.parametrize("is_handled", [False, True])
+def test_frame_of_a_silent_board_proves_what_only_a_configured_board_sends(
+    rig: Rig, frame: bytes, state: str, is_handled: bool
+) -> None:
+    rig.link.receive_now = lambda endpoint, payload: is_handled
+    rig.link._topics.add(1.0, PUBLISHER, topic_info(125, "speed"))
+    rig.link._sync.state = SILENT
+    rig.link._receive_bytes(2.0, frame)
+    assert rig.link._sync.state == state
 
 
 def test_topics_of_a_damaged_round_are_incomplete_and_the_board_not_yet_synced(rig: Rig) -> None:
@@ -449,6 +474,7 @@ def test_silence_is_explained_only_for_a_board_that_is_not_synced(
         rig.link._explain_silence(100.0)
         assert caplog.text.count("the board sends nothing") == count
     assert f"at {BAUD} baud" in caplog.text
+    assert rig.link.trouble.startswith("the board sends nothing")  # for /diagnostics
     assert caplog.records[-1].levelname == "WARNING"
 
 
@@ -647,6 +673,9 @@ def test_board_is_stopped_at_shutdown(rig: Rig) -> None:
         lambda: rig.sketch.device is not None and not rig.sketch.device.is_configured,
         lambda: "it goes on",
     )
+    rig.link.close()
+    for thread in rig.link._threads:
+        wait_until(lambda: not thread.is_alive(), lambda: f"{thread.name} goes on")
 
 
 def test_address_of_a_connection_is_kept_from_its_first_frame_on() -> None:

@@ -123,6 +123,7 @@ def test_mark_overwrites_no_file_that_a_link_in_its_place_leads_to(tmp_path: pat
     mark_of(link).symlink_to(target)
     write_mark(str(link))
     assert target.read_text() == "a user's" and not mark_of(link).is_symlink()
+    assert mark_of(link).stat().st_mode & 0o444 == 0o444  # the nodes of other users read it
 
 
 def test_process_that_the_system_hides_has_not_ended(

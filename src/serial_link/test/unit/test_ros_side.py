@@ -242,6 +242,7 @@ def test_faulty_messages_are_counted_or_logged_in_either_thread(
 def test_closed_side_no_longer_waits_for_events(rig: Rig) -> None:
     rig.side.close()
     assert rig.context.inbox.wait(0.0)
+    wait_until(lambda: not rig.side._thread.is_alive(), lambda: "its thread runs")
 
 
 class Left:
@@ -317,6 +318,29 @@ def test_new_ids_and_the_reason_of_a_loss_reach_an_open_topic(left: Left) -> Non
     left.handle(Restarted("the cable is out"))
     left.create.return_value.on_lost.assert_called_once_with("the cable is out")
     assert left.created() == ["left/count"]
+
+
+def test_two_subscribers_of_one_topic_keep_their_ids_in_any_order(left: Left) -> None:
+    first, second = (
+        Endpoint(SUBSCRIBER, COUNT.name, COUNT.type, None, COUNT._replace(topic_id=number))
+        for number in (100, 101)
+    )
+    topics = left.create.side_effect = [mock.Mock(), mock.Mock()]
+    left.announce(first, second)
+    left.announce(second, first)
+    for topic, endpoint in zip(topics, (first, second)):
+        topic.update.assert_called_once_with(endpoint)
+
+
+@pytest.mark.parametrize("half", ["incoming", "outgoing"])
+def test_topic_whose_definition_the_new_sketch_changes_is_opened_again(
+    left: Left, half: str
+) -> None:
+    service = Endpoint(SERVICE_SERVER, "zero", "std_srvs/Trigger", COUNT, COUNT)
+    left.announce(service)
+    left.announce(service._replace(**{half: COUNT._replace(md5sum="1" * 32)}))
+    assert left.create.call_count == 2
+    assert left.scope.create_scope.return_value.close.call_count == 1
 
 
 def test_all_topics_are_told_that_the_board_is_synced_or_lost(left: Left) -> None:

@@ -105,8 +105,9 @@ def test_messages_go_both_ways_under_their_ids() -> None:
 
 def test_only_a_board_that_waits_answers_a_probe() -> None:
     device = Device(Notes())
-    device.receive(0.0, PROBE)
-    assert sent(device) == [(TIME, payloads.encode_time(0, 0))]
+    for number in (1, 2, 1):
+        device.receive(0.0, number * PROBE)
+        assert sent(device) == number * [(TIME, payloads.encode_time(0, 0))]
     device, _ = configured()
     device.receive(0.0, PROBE)
     assert sent(device) == []

@@ -32,12 +32,12 @@ def test_each_board_has_a_port_at_the_given_address_and_a_refused_one_is_logged(
             super().__init__(*arguments)
 
     monkeypatch.setattr(serial_node, "TcpServer", Server)
-    around = context(port="tcp", tcp_address="127.0.0.2", tcp_port=11500, tcp_boards="left,right")
+    around = context(port="tcp", tcp_address="127.0.0.2", tcp_port=11500, tcp_boards="right,left")
     node = SerialNode(around)
     names = [board.link.port_name for board in node._boards]
-    assert names == ["tcp 127.0.0.2:11500 left", "tcp 127.0.0.2:11500 right"]
-    assert [board.side._space for board in node._boards] == ["left", "right"]
-    assert node._boards[1].status("/serial_node").name == "serial_node: right"
+    assert names == ["tcp 127.0.0.2:11500 right", "tcp 127.0.0.2:11500 left"]
+    assert [board.side._space for board in node._boards] == ["right", "left"]
+    assert node._boards[1].status("/serial_node").name == "serial_node: left"
     owned = [call[0][0] for call in around.own.call_args_list]
     assert owned == [part for board in node._boards for part in (board.link, board.side)]
     given[-1]("the board at 10.0.0.1 is refused")
@@ -48,6 +48,7 @@ def test_serial_port_has_the_given_speed_and_calls_the_present_timeout() -> None
     around = context(port="/dev/ttyACM0", baud=115200)
     (board,) = SerialNode(around)._boards
     assert (board.link.port_name, board.link.baud) == ("/dev/ttyACM0", 115200)
+    assert board.status("/serial_node").name == "serial_node: board"
     around.declare_parameters.return_value.values = SerialParameters(service_timeout=0.5)
     assert board.side._timeout() == 0.5
 
@@ -57,8 +58,10 @@ def test_words_of_the_command_line_are_port_and_number_and_options_are_ignored(
 ) -> None:
     around = context()
     monkeypatch.setattr(rospy, "myargv", lambda: ["serial_node.py", "--help", "tcp", "11500"])
-    monkeypatch.setattr(serial_node, "run", lambda name, make: make(around))
+    names: List[str] = []
+    monkeypatch.setattr(serial_node, "run", lambda name, make: (names.append(name), make(around)))
     serial_node.main()
+    assert names == ["serial_node"]
     update = around.declare_parameters.return_value.update
     update.assert_called_once_with(port="tcp", tcp_port="11500")
 
@@ -68,6 +71,7 @@ def test_all_boards_are_started_once_reported_and_stopped_at_shutdown(
 ) -> None:
     around = context()
     node = SerialNode(around)
+    around.create_timer.assert_called_once_with(1.0, node._report, steady=True)
     boards = [mock.Mock(), mock.Mock()]
     for name, board in zip("ab", boards):
         board.status.return_value = DiagnosticStatus(name=name)

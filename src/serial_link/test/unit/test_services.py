@@ -101,6 +101,22 @@ def test_call_of_the_board_has_the_present_timeout() -> None:
     assert around.timeout == 0.5
 
 
+def test_response_beyond_the_buffer_of_the_board_is_not_sent_and_requests_the_topics(
+    caplog: "pytest.LogCaptureFixture",
+) -> None:
+    assert ENDPOINT.outgoing is not None
+    counters = Counters()
+    for size, sent in ((7, 1), (6, 0)):
+        around: Any = FakeContext(SetBoolResponse(True, "on"))
+        small = ENDPOINT._replace(outgoing=ENDPOINT.outgoing._replace(buffer_size=size))
+        CalledService(around, small, around, counters, lambda: 5.0).receive(
+            encode(SetBoolRequest(True))
+        )
+        assert (around.sent, around.requests) == (sent, 1 - sent)
+    assert "/called: a message of 7 bytes is not sent: the board's buffer has 6" in caplog.text
+    assert counters.to_dict() == {TOO_LARGE: 1}
+
+
 @pytest.mark.parametrize(
     "answer", [CallError("not answered within 5 s"), SetBoolResponse(True, "on")]
 )

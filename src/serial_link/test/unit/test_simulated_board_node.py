@@ -144,9 +144,10 @@ def test_bytes_in_transit_are_lost_when_the_cable_is_plugged_in() -> None:
     assert bench.transport.plug.call_count == 1
     bench.board._move_cable(1.3, True)
     assert bench.transport.plug.call_count == 2 and not bench.transport.unplug.called
-    bench.transport.is_plugged = True
+    bench.transport.is_plugged, bench.board._device = True, bench.device
     bench.board._move_cable(1.4, False)
     assert bench.transport.unplug.call_count == 1
+    assert bench.board.device is bench.device  # the sketch keeps running
 
 
 def test_reset_cuts_a_message_off_and_drops_the_rest() -> None:

@@ -72,7 +72,9 @@ def test_new_connection_replaces_only_a_silent_one(monkeypatch: "pytest.MonkeyPa
     port.on_frame()  # so it is not silent
     assert port.read(0.0) == b""
     slot.heard_at -= TIMEOUT_S
-    with pytest.raises(PortLost, match="replaced by a new connection"):
+    with pytest.raises(
+        PortLost, match="^tcp localhost:[^:]*:[0-9]+: replaced by a new connection$"
+    ):
         port.read(TIMEOUT_S)
     port.close()
     assert slot.heard_at is not None  # the slot belongs to the second
@@ -121,8 +123,9 @@ def test_write_now_does_not_block_while_the_buffer_is_full() -> None:
             port.write(bytes(1000))
     assert port.read(0.0) == b""  # the connection is open
     port.close()
-    with pytest.raises(PortLost, match="is closed"):
-        port.write_now(b"x")
+    for write in (port.write, port.write_now):
+        with pytest.raises(PortLost, match="is closed"):
+            write(b"x")
     port.release()
     end.unplug()
 
@@ -175,7 +178,8 @@ def test_boards_have_slots_and_surplus_board_is_refused(
         assert board.read() == name
     wait_until(lambda: boards[2].read() == b"" and not boards[2].is_plugged, lambda: "connected")
     server.ports[0].release()
-    assert server.ports[1].read(0.0) == b""  # the other continues
+    socket.create_connection(("localhost", number)).close()  # still listens for the other
+    assert server.ports[1].read(0.0) == b""
     server.ports[1].release()
     with pytest.raises(ConnectionRefusedError):
         socket.create_connection(("localhost", number))
@@ -273,6 +277,20 @@ def test_rest_of_a_message_that_the_system_accepts_in_part_follows(
         end.wait(TIMEOUT_S)
         received += end.read()
     assert received == b"message"
+
+
+def test_connection_that_another_thread_closes_meanwhile_is_lost() -> None:
+    number = free_port()
+    port, end = only_port(number), TcpTransport("localhost", number)
+    port.open(0.0)
+    end.plug()
+    assert port.open(TIMEOUT_S) and port._board is not None
+    port._board.close()
+    for use in (lambda: port.read(0.0), lambda: port.write(b"x"), lambda: port.write_now(b"x")):
+        with pytest.raises(PortLost, match="is gone: "):
+            use()
+    port.release()
+    end.unplug()
 
 
 def test_board_that_leaves_while_it_waits_is_forgotten() -> None:

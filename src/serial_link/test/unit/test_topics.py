@@ -66,6 +66,13 @@ def test_message_that_takes_longer_than_the_library_waits_is_logged_and_sent(
     assert not caplog.text and len(around.sent) == 4
 
 
+def test_publisher_is_compared_with_the_definition_of_the_board() -> None:
+    around: Any = FakeContext()
+    SubscribedTopic(around, Endpoint(SUBSCRIBER, *INFO[1:3], None, INFO), around, Counters())
+    for name in ("_type", "_md5sum", "_full_text", "_has_header"):  # sent to each publisher
+        assert getattr(around.raw, name) == getattr(String, name)
+
+
 class Subscription:
     """Scope of one subscription, which gets a message while it is made."""
 

@@ -96,6 +96,9 @@ def test_waiting_ends_as_soon_as_something_has_arrived(tmp_path: pathlib.Path) -
     begun = time.monotonic()
     end.wait(5.0)
     assert time.monotonic() - begun < 4.0 and end.read() == b"x"
+    begun = time.monotonic()
+    end.wait(0.05)
+    assert time.monotonic() - begun >= 0.05
     os.close(host)
     end.unplug()
 

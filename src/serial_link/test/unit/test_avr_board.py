@@ -76,6 +76,17 @@ def test_ctrl_c_does_not_reach_a_compiler(
     assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
 
 
+def test_missing_tool_is_named_with_its_packages_and_a_failed_one_with_its_output(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    with pytest.raises(BuildError, match="^avr-size: no such section\n$"):
+        size_of(tmp_path, monkeypatch, "__import__('sys').exit('no such section')")
+    (tmp_path / "avr-size").unlink()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(BuildError, match="^avr-size is missing: sudo apt install gcc avr-libc"):
+        AvrBuilder(tmp_path).size(pathlib.Path("any"))
+
+
 def test_tool_that_hangs_is_named(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
@@ -101,6 +112,42 @@ def test_built_programs_are_reused_and_a_cancelled_build_ends(
     assert builder._core() == tmp_path / "core.a"
     with pytest.raises(BuildError, match="the build was cancelled"):
         AvrBuilder(tmp_path, lambda: True).size(pathlib.Path("any"))
+
+
+def test_library_simulator_and_sketch_are_built_from_all_of_their_sources(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    commands: List[List[str]] = []
+    monkeypatch.setattr(avr_board, "_run", commands.append)
+    monkeypatch.setattr(avr_board, "ARDUINO", tmp_path / "arduino")
+    builder = AvrBuilder(tmp_path)
+    with pytest.raises(BuildError, match="arduino is missing: sudo apt install gcc avr-libc"):
+        builder.sketch(tmp_path / "blink.ino", ())
+    sources = tmp_path / "arduino" / "cores" / "arduino"
+    sources.mkdir(parents=True)
+    for name in ("b.cpp", "a.c", "c.S", "d.h"):
+        (sources / name).touch()
+    sketch = builder.sketch(tmp_path / "blink.ino", (tmp_path / "one", tmp_path / "two"))
+    simulator = builder.simulator(tmp_path / "avr_board.c")
+    assert (sketch, simulator) == (tmp_path / "blink.elf", tmp_path / "avr_board")
+    *compiled, archived, linked, simulated = commands
+    objects = [str(tmp_path / "core" / f"{name}.o") for name in ("a.c", "b.cpp", "c.S")]
+    assert [command[-4:] for command in compiled] == [
+        ["-c", str(sources / name), "-o", target]
+        for name, target in zip(("a.c", "b.cpp", "c.S"), objects)
+    ]
+    assert [command[0] for command in compiled] == ["avr-gcc", "avr-g++", "avr-gcc"]
+    assert archived[-4:] == [str(tmp_path / "core.a"), *objects]
+    assert [word for word in linked if word.startswith(f"-I{tmp_path}")] == [
+        f"-I{tmp_path / 'one'}",
+        f"-I{tmp_path / 'two'}",
+    ]
+    for command in (*compiled, linked):
+        assert {"-mmcu=atmega328p", "-DF_CPU=16000000L"} <= set(command)
+    assert linked.index(str(tmp_path / "blink.ino")) < linked.index(str(tmp_path / "core.a"))
+    for command, target in ((linked, sketch), (simulated, simulator)):
+        assert command[command.index("-o") + 1] == str(target)
+    assert simulated[:2] == ["gcc", str(tmp_path / "avr_board.c")] and "-lsimavr" in simulated
 
 
 @pytest.mark.parametrize("is_marked", [False, True])

@@ -25,6 +25,7 @@ def test_end_during_the_build_is_no_failure_and_leaves_nothing(
 
     def build() -> mock.Mock:
         node._end()  # as at Ctrl-C, in another thread
+        node._folder.mkdir()  # by a compiler that was running
         if fails:
             raise FileNotFoundError("the folder is gone")
         return board
@@ -34,6 +35,16 @@ def test_end_during_the_build_is_no_failure_and_leaves_nothing(
     assert not abort.called
     assert board.close.called is not fails
     assert not node._folder.exists()
+
+
+def test_node_ends_if_the_board_cannot_be_built(monkeypatch: "pytest.MonkeyPatch") -> None:
+    abort = mock.Mock()
+    monkeypatch.setattr(avr_board, "abort", abort)
+    node = AvrBoardNode(mock.Mock())
+    monkeypatch.setattr(node, "_build", mock.Mock(side_effect=BuildError("avr-g++: no memory")))
+    node._start(0.0)
+    abort.assert_called_once_with("the board cannot be started: avr-g++: no memory")
+    node._end()
 
 
 def test_node_ends_with_its_simulator(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -483,8 +483,11 @@ def test_headers_are_in_the_folder_of_the_help_by_default(
 
 
 def test_misspelt_option_is_refused(
-    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
 ) -> None:
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", ["make_headers", "std_msgs", "--arduinos"])
     with pytest.raises(SystemExit):
         make_headers.main()

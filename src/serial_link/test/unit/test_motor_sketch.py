@@ -157,6 +157,7 @@ def test_button_is_published_on_change_and_potentiometer_periodically() -> None:
 
 def test_lamp_and_encoder() -> None:
     bench = Bench()
+    assert not bench.sketch.is_lit
     for data, is_lit in ((b"\1", True), (b"\0", False)):
         bench.device.receive(100.0, encode(LED, data))
         assert bench.sketch.is_lit is is_lit

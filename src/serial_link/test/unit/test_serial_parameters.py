@@ -37,6 +37,7 @@ def test_defaults_are_those_of_rosserial_python() -> None:
     values = SerialParameters()
     assert (values.port, values.baud, values.tcp_port) == ("/dev/ttyUSB0", 57600, 11411)
     assert (values.tcp_address, values.tcp_boards) == ("localhost", "")
+    assert values.service_timeout == 5.0
 
 
 @pytest.mark.parametrize(
@@ -50,6 +51,7 @@ def test_defaults_are_those_of_rosserial_python() -> None:
         (BoardParameters, "buffer_size", 64, 32767, 1),
         (BoardParameters, "boot_time", 0.0, 60.0, 1e-6),
         (BoardParameters, "rate", 0.1, 2000.0, 1e-6),
+        (BoardParameters, "gain", -1e3, 1e3, 1e-6),
         (BoardParameters, "dead_zone", 0.0, 1.0, 1e-6),
         (BoardParameters, "counts_per_turn", 1, 1000000, 1),
         (BoardParameters, "potentiometer", 0.0, 1.0, 1e-6),

@@ -7,6 +7,7 @@ from typing import Any, List
 from unittest import mock
 
 import pytest
+from std_srvs.srv import Trigger
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from serial_link.board.simulation import Faults, SimulatedBoard
@@ -14,6 +15,7 @@ from serial_link.board_parameters import BoardParameters
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import encode
 from serial_link.negotiation.payloads import PUBLISHER, TIME, decode_topic
+from serial_link.nodes import simulated_board
 from serial_link.nodes.simulated_board import SimulatedBoardNode
 
 
@@ -102,6 +104,43 @@ def test_parameters_that_a_running_board_does_not_read_are_marked() -> None:
     declared = BoardParameters.declared
     marked = {name for name, each in declared.items() if each.read_once}
     assert marked == {"link", "tcp_address", "tcp_port", "baud", "counts_per_turn"}
+
+
+def test_board_is_undamaged_and_has_the_motor_of_the_course_by_default() -> None:
+    values = BoardParameters()
+    assert values.faults == Faults(0.0, False, True)
+    assert values.plant == PlantSettings(13.1, 0.04, 13.0, 0.05)
+    assert (values.baud, values.buffer_size, values.rate) == (57600, 512, 100.0)
+    assert (values.counts_per_turn, values.potentiometer, values.boot_time) == (1320, 0.5, 0.2)
+    assert not (values.button or values.floods or values.wrong_md5)
+    assert (values.link, values.tcp_port) == ("~/.ros/simulated_board", 11411)
+
+
+def test_node_has_its_own_name(monkeypatch: "pytest.MonkeyPatch") -> None:
+    run = mock.Mock()
+    monkeypatch.setattr(simulated_board, "run", run)
+    simulated_board.main()
+    run.assert_called_once_with("simulated_board", SimulatedBoardNode)
+
+
+def test_button_of_the_service_resets_the_board(monkeypatch: "pytest.MonkeyPatch") -> None:
+    around: Any = FakeNode()
+    around.create_service, around.create_timer = mock.Mock(), mock.Mock()
+    board = SimulatedBoardNode(around)
+    monkeypatch.setattr(board._board, "reset", mock.Mock())
+    (name, kind, press), _ = around.create_service.call_args
+    assert (name, kind, press(None)) == ("~reset", Trigger, (True, "reset"))
+    assert board._board.reset.call_count == 1  # type: ignore[attr-defined]
+    around.create_timer.assert_called_once_with(1.0, board._start, steady=True)
+
+
+def test_node_ends_if_the_port_cannot_be_created(monkeypatch: "pytest.MonkeyPatch") -> None:
+    abort = mock.Mock()
+    monkeypatch.setattr(simulated_board, "abort", abort)
+    board = SimulatedBoardNode(FakeNode())  # type: ignore[arg-type]
+    monkeypatch.setattr(board._board, "start", mock.Mock(side_effect=OSError("read-only")))
+    board._start(0.0)
+    abort.assert_called_once_with("the board's port cannot be created: read-only")
 
 
 def test_board_is_started_once(monkeypatch: "pytest.MonkeyPatch") -> None:

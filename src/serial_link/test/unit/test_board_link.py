@@ -476,6 +476,9 @@ def test_silence_is_explained_only_for_a_board_that_is_not_synced(
     assert f"at {BAUD} baud" in caplog.text
     assert rig.link.trouble.startswith("the board sends nothing")  # for /diagnostics
     assert caplog.records[-1].levelname == "WARNING"
+    rig.link._receive_bytes(101.0, b"at another speed")
+    rig.link._explain_silence(102.0)
+    assert rig.link.trouble.startswith("the received bytes are not rosserial messages")
 
 
 def test_stopped_board_is_no_longer_read(rig: Rig, monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -37,7 +37,8 @@ def test_new_faults_are_a_warning_once_and_are_logged_at_most_every_10_s(
     first = status()
     assert (first.level, first.message) == (DiagnosticStatus.OK, "synchronized")
     assert (first.name, first.hardware_id) == ("serial_node: left", "/dev/board")
-    assert {value.key: value.value for value in first.values}["received"] == "5"
+    values = [(value.key, value.value) for value in first.values]
+    assert values == [("malformed", "0"), ("openings", "1"), ("received", "5"), ("sent", "2")]
     for now in range(1, 12):
         link.figures["malformed"] = now
         assert (status().level, status().level) == (DiagnosticStatus.WARN, DiagnosticStatus.OK)

@@ -239,6 +239,17 @@ def test_faulty_messages_are_counted_or_logged_in_either_thread(
     assert rig.context.receive_now(TOPIC, value(2))
 
 
+def test_exception_is_logged_and_the_next_event_handled(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    rig.context.inbox.put(1, Message(TOPIC, value(FAILS)))
+    rig.wait_until_idle()
+    assert "RuntimeError: publishing failed" in caplog.text
+    rig.context.inbox.put_reliable(Topics([], True))
+    rig.context.request("gain")
+    rig.wait_for_answers("/gain")
+
+
 def test_closed_side_no_longer_waits_for_events(rig: Rig) -> None:
     rig.side.close()
     assert rig.context.inbox.wait(0.0)
@@ -280,6 +291,7 @@ def test_log_and_topics_of_a_named_board_are_in_its_namespace(
     assert publish.call_args[0][0].name == "/serial_node/left"
     left.announce(TOPIC, TOPIC._replace(name="/global"))
     assert left.created() == ["left/count", "/global"]
+    assert "the board publishes left/count (std_msgs/UInt32)" in caplog.text
     left.announce()
     assert "the board no longer publishes left/count" in caplog.text
 
@@ -360,6 +372,14 @@ def test_topic_of_another_type_and_name_stays_open_until_all_are_announced(left:
     left.handle(Restarted("the board was restarted"))
     left.announce(TOPIC._replace(type="std_msgs/Bool"), is_complete=False)  # the same name
     assert left.scope.create_scope.return_value.close.called
+
+
+def test_service_and_topic_of_one_name_displace_no_other(left: Left) -> None:
+    left.announce(TOPIC)
+    left.handle(Restarted("the board was restarted"))
+    service = Endpoint(SERVICE_SERVER, TOPIC.name, "std_srvs/Trigger", COUNT, COUNT)
+    left.announce(service, is_complete=False)
+    assert not left.scope.create_scope.return_value.close.called
 
 
 def test_topic_that_cannot_be_opened_is_closed_and_retried_after_a_pause(left: Left) -> None:

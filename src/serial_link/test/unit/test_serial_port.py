@@ -11,6 +11,7 @@ import tempfile
 import termios
 from types import SimpleNamespace
 from typing import Iterator, Tuple
+from unittest import mock
 
 import pytest
 
@@ -197,6 +198,17 @@ def test_group_that_may_open_the_port_is_named(monkeypatch: "pytest.MonkeyPatch"
 def test_home_folder_may_be_abbreviated(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setenv("HOME", "/home/student")
     assert SerialPort("~/.ros/board", 57600).name == "/home/student/.ros/board"
+
+
+def test_read_waits_for_its_timeout(
+    plugged: Tuple[PtyTransport, SerialPort], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    _, port = plugged
+    port.open(0.0)
+    poll = mock.Mock(**{"poll.return_value": []})
+    monkeypatch.setattr(port, "_poll", poll)
+    assert port.read(0.25) == b""
+    poll.poll.assert_called_once_with(250.0)  # [ms]
 
 
 def test_end_of_file_is_a_loss(

@@ -47,6 +47,19 @@ def test_only_the_latest_words_are_kept() -> None:
     assert words.explain(9600).startswith("the received bytes are not rosserial messages")
 
 
+#: Usual baud rates of boards and adapters.
+RATES = """
+2400 4800 9600 14400 19200 28800 38400 57600 74880 76800 115200 230400 250000 256000 460800 500000
+576000 921600 1000000 1152000 1500000 2000000 2500000 3000000 3500000 4000000
+""".split()
+
+
+@pytest.mark.parametrize("rate", map(int, RATES))
+def test_usual_baud_rate_is_not_taken_for_a_mistyped_one(rate: int) -> None:
+    assert "usual" not in ConnectDiagnosis().explain(rate)
+    assert f"({rate} is usual)" in ConnectDiagnosis().explain(rate - rate // 100)
+
+
 @pytest.mark.parametrize(
     "baud, usual", [(56700, "57600"), (11520, ""), (119200, "115200"), (2400, ""), (500000, "")]
 )

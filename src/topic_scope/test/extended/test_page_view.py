@@ -483,6 +483,8 @@ class View(PageTest):
             lambda: abs(self.cell(SIGNAL, "difference")) < 5.0,
             lambda: self.browser.text("#legend"),
         )
+        self.browser.press("#cursors")
+        self.assertNotIn("at A", self.browser.text("#legend-head"))
 
     def wait_ranges(self) -> None:
         """Wait until both axes are drawn with their full ranges: 2 sin, and 1 + cos."""

@@ -1057,6 +1057,25 @@ class Modules(BrowserTest):
         expected = [[1, 0.1, None], [[2, 1]]], [[0, -20, None], [[2, 0]]]
         self.assertEqual(drawn, [[frequencies, *rest] for rest in expected])
 
+    def test_averages_are_requested_as_a_number(self) -> None:
+        averages = self.browser.call(
+            "plot/kinds.js",
+            """await (async () => {
+              const { State } = await import("/static/js/state/store.js");
+              const state = new State();
+              const requests = { chart: {}, sendChart: (message) => { requests.chart = message; } };
+              module.startCharts(state, requests, () => "#123456");
+              state.change("chart", { kind: "spectrum" });
+              const select = document.querySelector("[aria-label='spectrum averages']");
+              select.value = "4";
+              select.dispatchEvent(new Event("change"));
+              const { averages } = requests.chart;
+              state.change("chart", { kind: "time" });
+              return averages;
+            })()""",
+        )
+        self.assertEqual(averages, 4)
+
     def test_faint_robot_leaves_the_others_bright(self) -> None:
         alphas = self.browser.call(
             "robots/drawing.js",

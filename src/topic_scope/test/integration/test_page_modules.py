@@ -392,11 +392,19 @@ class Modules(BrowserTest):
             chart.draw({ lines: [line], titles: { x: "", y: "" }, isEqual, exact: false });
             return line.xs.map((x, index) => chart.place(x, line.ys[index]));
           };
+          const { fillText } = CanvasRenderingContext2D.prototype;
+          const aligned = new Map(); // alignments, by the horizontal places of texts
+          CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+            aligned.set(x, this.textAlign);
+            fillText.call(this, text, x, y);
+          };
           const places = [draw(true), draw(false)];
+          CanvasRenderingContext2D.prototype.fillText = fillText;
           element.remove();
-          return places;
+          return [...places, [...aligned.values()]];
         })()"""
-        equal, filled = self.browser.call("plot/canvas_chart.js", code)
+        equal, filled, aligned = self.browser.call("plot/canvas_chart.js", code)
+        self.assertEqual(set(aligned), {"center", "right"})  # below, and beside the axis
         sizes = [(b[0] - a[0], b[1] - c[1]) for a, b, c in (equal, filled)]  # y is down
         self.assertAlmostEqual(sizes[0][0] / sizes[0][1], 10.0)
         self.assertLess(sizes[1][0] / sizes[1][1], 4.0)

@@ -218,6 +218,7 @@ def test_invalid_request_is_rejected_with_a_reason(request_: Any) -> None:
     [
         ({"field": "not a name"}, "mask: .*not a name"),
         ({"reference": "=/b/x +"}, "mask: unexpected end of the formula"),
+        ({"time": 601}, "mask: time must be a number from 0 to 600"),
         ({"reference": "=delay(/b/x, 9)", "time": 595}, "mask: .* reach over 604 s: at most 600"),
         ({"reference": f"=-/b/x{'+-/b/x' * 17}"}, "mask: a formula has at most"),
     ],

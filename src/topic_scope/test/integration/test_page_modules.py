@@ -1084,6 +1084,25 @@ class Modules(BrowserTest):
         )
         self.assertEqual(averages, 4)
 
+    def test_labels_of_the_floor_are_muted(self) -> None:
+        labels = self.browser.call(
+            "robots/drawing.js",
+            """await (async () => {
+              const { Camera } = await import("/static/js/robots/camera.js");
+              const camera = new Camera();
+              Object.assign(camera, { width: 800, height: 400 });
+              camera.fit([[-3, -1], [5, 3]]);
+              const context = document.createElement("canvas").getContext("2d");
+              const labels = [];
+              context.fillText = (text) => labels.push([text, context.fillStyle]);
+              const style = (name) => (name === "muted" ? "#112233" : "#445566");
+              new module.Drawing(context, camera, style).clear(1);
+              return labels;
+            })()""",
+        )
+        self.assertTrue({"0", "2"} <= {text for text, _ in labels}, labels)
+        self.assertEqual({colour for _, colour in labels}, {"#112233"})
+
     def test_faint_robot_leaves_the_others_bright(self) -> None:
         alphas = self.browser.call(
             "robots/drawing.js",
@@ -1334,9 +1353,18 @@ class Modules(BrowserTest):
         self.assertEqual(focused, "/b: shutdown")
 
     def test_legend_of_a_picture_has_the_dashes_of_the_traces(self) -> None:
-        strokes = self.browser.call(
+        strokes, states = self.browser.call(
             "measure/picture.js",
-            """a[0].map((dash) => {
+            """(() => {
+              const cursor = document.createElement("div");
+              cursor.className = "handle cursor";
+              document.getElementById("overlay").append(cursor);
+              const { prototype } = CanvasRenderingContext2D;
+              const { save, restore } = prototype;
+              let states = 0; // that are saved and not restored
+              prototype.save = function () { states += 1; save.call(this); };
+              prototype.restore = function () { states -= 1; restore.call(this); };
+              const strokes = a[0].map((dash) => {
               const row = document.createElement("tr");
               row.dataset.field = "/a";
               document.getElementById("legend").append(row);
@@ -1356,10 +1384,14 @@ class Modules(BrowserTest):
               const starts = (y) => Array.from({ length: width - 1 }, (_, x) => x + 1)
                 .filter((x) => isRed(x, y) && !isRed(x - 1, y)).length;
               return Math.max(...Array.from({ length: height }, (_, y) => starts(y)));
-            })""",
+              });
+              Object.assign(prototype, { save, restore });
+              cursor.remove();
+              return [strokes, states];
+            })()""",
             [[], [9, 4]],
         )
-        self.assertEqual(strokes, [1, 2])
+        self.assertEqual((strokes, states), ([1, 2], 0))
 
     def test_layers_behind_a_trace_have_the_scale_of_its_axis(self) -> None:
         heights = self.browser.call(

@@ -6,6 +6,7 @@ import os
 import sys
 from pathlib import Path
 from typing import Any, List
+from unittest import mock
 
 import genpy
 import numpy
@@ -168,6 +169,16 @@ def test_progress_is_shown_of_long_bags_on_a_terminal(
     monkeypatch.setattr(plot_bag, "LONG", long)
     call(monkeypatch, bag, "/x/data", "-o", "out.csv")
     assert ("0 % |" in error.getvalue()) == shown
+
+
+@pytest.mark.parametrize("end, seconds", [("2", 1), ("9", 2)])
+def test_progress_is_that_of_the_chosen_range(
+    bag: str, monkeypatch: "pytest.MonkeyPatch", end: str, seconds: int
+) -> None:
+    shown = mock.Mock(wraps=plot_bag.tqdm)
+    monkeypatch.setattr(plot_bag, "tqdm", shown)
+    call(monkeypatch, bag, "/x/data", "-o", "out.csv", "--start", "1", "--end", end)
+    assert shown.call_args[1]["total"] == seconds * 10**9
 
 
 def test_missing_matplotlib_is_reported_and_csv_works(

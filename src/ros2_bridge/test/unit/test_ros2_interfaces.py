@@ -84,9 +84,6 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
     [
         ("int32 trailing_\n", "trailing_ is not a valid name of a field or constant in ROS 2"),
         ("int32 a__b\n", "a__b is not a valid name of a field or constant in ROS 2"),
-        ("int32 default\n", "default is not a valid name of a field or constant in ROS 2"),
-        ("int32 lambda\n", "lambda is not a valid name of a field or constant in ROS 2"),
-        ("int32 nullptr\n", "nullptr is not a valid name of a field or constant in ROS 2"),
         ("int32 long\n", "long is not a valid name of a field or constant in ROS 2"),
         ("int32 X\nint32 x\n", "X and x are both x in ROS 2"),
         ("int32 FOO=1\nint32 foo=2\n", "FOO and foo are both FOO in ROS 2"),
@@ -107,6 +104,25 @@ def test_unsupported_type_is_skipped_with_its_users(text: str, reason: str) -> N
         "pkg/srv/Ask.srv": user,
         "pkg_user/msg/A.msg": user,
     }
+
+
+#: Keywords of C11 and C++17 in lower case, and some of Python.
+KEYWORDS = """
+alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
+const_cast constexpr continue decltype default delete do double dynamic_cast else enum explicit
+export extern false float for friend goto if inline int long mutable namespace new noexcept not
+not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return
+short signed sizeof static static_assert static_cast struct switch template this thread_local throw
+true try typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq
+lambda yield
+""".split()
+
+
+@pytest.mark.parametrize("word", KEYWORDS)
+def test_field_with_the_name_of_a_keyword_is_left_out(word: str) -> None:
+    left_out = interfaces(pkg={"msg/A.msg": f"int32 {word}\n"}).left_out
+    reason = f"{word} is not a valid name of a field or constant in ROS 2"
+    assert left_out == {"pkg/msg/A.msg": reason}
 
 
 def test_request_and_response_may_share_field_names() -> None:

@@ -167,12 +167,11 @@ class Robots(unittest.TestCase):
         self.assertIn("both gains must be below control_frequency", refused.message)
 
     def test_goal_is_told_in_the_frame_that_the_odometry_has(self) -> None:
-        name = "/lab/diff_drive/frame_prefix"
         self.addCleanup(self.until, lambda: self.odometry().header.frame_id == "odom", "prefix")
-        self.addCleanup(self.graph.set_parameter, name, "")
+        self.addCleanup(change_parameters, "/lab/diff_drive", frame_prefix="")
         self.set_goal(0.0, 0.0, 0.5)
         self.current.wait_for(lambda goal: goal.header.frame_id == "odom")
-        self.graph.set_parameter(name, "lab/")
+        change_parameters("/lab/diff_drive", frame_prefix="lab/")
         self.until(lambda: self.odometry().header.frame_id == "lab/odom", "no prefix")
         told = self.current.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
         # Late subscribers receive it, too.
@@ -276,11 +275,11 @@ class Robots(unittest.TestCase):
         self.assertEqual(self.odometry().twist.twist, Twist())
 
     def test_a_goal_behind_a_wall_is_aborted_and_the_robot_stands(self) -> None:
-        walls = "/lab/diff_drive/walls"
-        self.graph.set_parameter(walls, [[0.6, -5.0, 0.6, 5.0]])
-        self.addCleanup(self.graph.set_parameter, walls, [])
-        self.graph.set_parameter(CONTROLLER + "/no_progress_timeout", 3.0)
-        self.addCleanup(self.graph.set_parameter, CONTROLLER + "/no_progress_timeout", 10.0)
+        self.addCleanup(change_parameters, "/lab/diff_drive", walls=[])
+        self.addCleanup(change_parameters, CONTROLLER, no_progress_timeout=10.0)
+        # Not on the parameter server: the robot would have driven on before it is told.
+        change_parameters("/lab/diff_drive", walls=[[0.6, -5.0, 0.6, 5.0]])
+        change_parameters(CONTROLLER, no_progress_timeout=3.0)
         self.act("behind", pose(2.0, 0.0, 0.0))
         aborted = self.outcome("behind")
         self.assertEqual(aborted.status.status, GoalStatus.ABORTED)
@@ -356,9 +355,7 @@ class Robots(unittest.TestCase):
             return heard(WAY_PROGRESS)[-1].phase == "arrived"
 
         self.until(has_arrived, "it does not arrive", 200.0)
-        self.graph.set_parameter(
-            "/way/waypoint_controller/waypoints", [[1.0, 0.0], [1.0, 0.5, 3.0]]
-        )
+        change_parameters("/way/waypoint_controller", waypoints=[[1.0, 0.0], [1.0, 0.5, 3.0]])
         self.until(lambda: not has_arrived(), "it does not start again", 60.0)
         ahead = [(1.0, 0.0), (1.0, 0.5)]
 
@@ -370,7 +367,7 @@ class Robots(unittest.TestCase):
 
         self.until(has_come_through, f"points are left: {ahead}", 60.0)
         self.assertAlmostEqual(heading(heard(WAY_ODOM)[-1]), 3.0, delta=0.06)
-        self.graph.set_parameter("/way/waypoint_controller/repeat", True)
+        change_parameters("/way/waypoint_controller", repeat=True)
         self.until(lambda: heard(WAY_ODOM)[-1].twist.twist.linear.x > 0.1, "it stays", 60.0)
         change = rospy.ServiceProxy("/way/waypoint_controller/change", SetParameters)
         self.assertTrue(change("{waypoints: []}").success)

@@ -9,6 +9,7 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
 from bot_controller_demo_msgs.srv import SetGoal
+from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
@@ -30,12 +31,10 @@ class Bringup(unittest.TestCase):
         self.assertAlmostEqual(odometry.messages()[-1].pose.pose.position.x, 0.25, delta=0.06)
 
     def test_the_script_ends_with_a_status_where_the_robot_does_not_get_there(self) -> None:
-        graph = Graph()
-        walls = graph.parameter("/base/walls")
-        self.addCleanup(graph.set_parameter, "/base/walls", walls)
-        graph.set_parameter("/base/walls", [[-1.0, 1.0, 2.0, 1.0]])
-        graph.set_parameter("/proportional_controller/no_progress_timeout", 1.0)
-        self.addCleanup(graph.set_parameter, "/proportional_controller/no_progress_timeout", 10.0)
+        self.addCleanup(change, "/base", walls=Graph().parameter("/base/walls"))
+        self.addCleanup(change, "/proportional_controller", no_progress_timeout=10.0)
+        change("/base", walls=[[-1.0, 1.0, 2.0, 1.0]])
+        change("/proportional_controller", no_progress_timeout=1.0)
         script = Process(SCRIPT, ["_x:=0", "_y:=1.5"])
         self.addCleanup(script.end)
         self.assertEqual(script.wait(), 1)

@@ -5,6 +5,7 @@ import functools
 import io
 import json
 import math
+import time
 import unittest
 from typing import Any, ClassVar, Dict, List, Sequence, Tuple
 from urllib.parse import unquote
@@ -13,6 +14,7 @@ from urllib.request import urlopen
 from browsing.browser import Browser
 from browsing.scope_process import ScopeProcess, SlowScopeProcess, shared_scope
 from browsing.waiting import wait_until
+from selenium.webdriver.remote.webelement import WebElement
 
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
 #: Frame interval of the page [ms]; few tests are about drawing.
@@ -189,6 +191,19 @@ class PageTest(BrowserTest):
             return len(seen) > 6 and len(set(seen[-6:])) == 1
 
         wait_until(still, lambda: "the picture changes")
+
+    def wait_in_place(self, *elements: WebElement) -> None:
+        """Wait until elements do not move: new figures may move the table and the plots."""
+        places: List[Tuple[float, Any]] = []  # since the last movement
+
+        def stand_still() -> bool:
+            rects, now = [element.rect for element in elements], time.monotonic()
+            if places and places[-1][1] != rects:
+                places.clear()
+            places.append((now, rects))
+            return now - places[0][0] > 0.5  # longer than between two figures of the server
+
+        wait_until(stand_still, lambda: str(places[-1:]))
 
     def wait_banner(self, text: str) -> None:
         """Wait until the banner has a text; empty to wait until it disappears."""

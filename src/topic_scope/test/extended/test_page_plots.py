@@ -15,7 +15,6 @@ from browsing.page_test import FRESH, PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.remote.webelement import WebElement
 from std_msgs.msg import Float64, Float64MultiArray, Header, Int32
 
 from nodekit.testing.processes import hanging
@@ -343,19 +342,6 @@ class Plots(PageTest):
         below = self.browser.count(".pane:last-child .dygraph-axis-label-x")
         return count if below == self.browser.count(".dygraph-axis-label-x") > 2 else 0
 
-    def wait_still(self, *elements: WebElement) -> None:
-        """Wait until elements do not move: new figures may move the table and the plots."""
-        places: List[Tuple[float, Any]] = []  # since the last movement
-
-        def stand_still() -> bool:
-            rects, now = [element.rect for element in elements], time.monotonic()
-            if places and places[-1][1] != rects:
-                places.clear()
-            places.append((now, rects))
-            return now - places[0][0] > 0.5  # longer than between two figures of the server
-
-        wait_until(stand_still, lambda: str(places[-1:]))
-
     def drag(self, field: str, up: float, plots: int) -> None:
         """Drag the name of a trace until there is another number of plots.
 
@@ -367,7 +353,7 @@ class Plots(PageTest):
 
         def is_dragged() -> bool:
             name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
-            self.wait_still(name, stage)
+            self.wait_in_place(name, stage)
             there, actions = stage.rect, ActionChains(self.browser.driver)
             actions.click_and_hold(name).move_by_offset(10, -10)
             # In one sequence: the table may still move the name just before it is pressed.
@@ -424,7 +410,7 @@ class Plots(PageTest):
             return abs(float(level.rect["y"] - rect["y"] - 0.45 * rect["height"]))
 
         wait_until(lambda: beside_middle() < 40.0, lambda: (level.rect, lower.rect))
-        self.wait_still(level)
+        self.wait_in_place(level)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
         wait_until(
             lambda: float(self.browser.value("#trigger-level")) > 2.0,

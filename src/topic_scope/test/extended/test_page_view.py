@@ -511,6 +511,7 @@ class View(PageTest):
             places.append(self.level(handle))
         # The same height, 65 %, has different values on both axes: -2 to 2, and 0 to 2.
         self.assertTrue(0.3 < places[0] < 1.0 < places[1] < 1.7, places)
+        self.wait_in_place(handle)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(handle, 0, -100).perform()
         wait_until(lambda: self.level(handle) > places[1], lambda: (self.level(handle), places))
         above = self.level(handle)

@@ -11,7 +11,7 @@ import subprocess
 import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, List, Tuple
 from urllib.request import urlopen
 
 import rosbag
@@ -127,10 +127,15 @@ class Page(PageTest):
         )
         self.browser.find("#csv").click()
         address = str(self.browser.find("#csv").get_attribute("href"))
-        with urlopen(address, timeout=10) as answer:
-            rows = list(csv.DictReader(answer.read().decode().splitlines()))
-        cells = [(row[SIGNAL], float(row[name])) for row in rows if row[name]]
-        self.assertGreater(len(cells), 100)
+        cells: List[Tuple[str, float]] = []
+
+        def has_many_cells() -> bool:
+            with urlopen(address, timeout=10) as answer:
+                rows = csv.DictReader(answer.read().decode().splitlines())
+                cells[:] = [(row[SIGNAL], float(row[name])) for row in rows if row[name]]
+            return len(cells) > 100
+
+        wait_until(has_many_cells, lambda: str(len(cells)))
         self.assertTrue(all(beside for beside, _ in cells), "not in the row of its first operand")
         inside = [value for _, value in cells if math.isfinite(value)]
         self.assertLess(max(abs(value - 2.0) for value in inside), 0.01)

@@ -157,6 +157,11 @@ class Panels(PanelTest):
         wait_until(
             lambda: self.browser.text(value) == "−2.5000", lambda: self.browser.text("#legend")
         )
+        self.browser.keys(Keys.DOWN, Keys.DOWN, Keys.ENTER)  # to its topic, then to the field
+        wait_until(
+            lambda: not self.browser.count(f"#legend tr[data-field='{field}']"),
+            lambda: self.browser.text("#legend"),
+        )
         self.browser.keys(Keys.ESCAPE)
         fields = [f"/many/data[{index}]" for index in range(32)]
         self.show(fields=fields)

@@ -974,10 +974,13 @@ class Modules(BrowserTest):
               of(around, {}).reset();
               of(plain, null).reset();
               return [running, around, plain].map(({ end, reference, window, axes }) =>
-                [end, reference, window, axes.y.low]);
+                [end, reference, window, axes.y.low, axes.y.high]);
             })()""",
         )
-        self.assertEqual(answers, [[None, None, 1, 1], [26, 20, 8, None], [20, 20, 8, None]])
+        automatic = [None, None]
+        self.assertEqual(
+            answers, [[None, None, 1, 1, 2], [26, 20, 8, *automatic], [20, 20, 8, *automatic]]
+        )
 
     def test_a_bag_sets_the_clock_of_a_fresh_page_only(self) -> None:
         clocks = self.browser.call(

@@ -118,11 +118,11 @@ def test_few_samples_in_a_period_are_enough(hertz: float, part: float) -> None:
     assert hertz_of(times, values) == pytest.approx(hertz, abs=0.05)
 
 
-@pytest.mark.parametrize("other", [0.3, 0.8, 3.0])
-def test_two_crossings_in_a_period_give_the_whole_period(other: float) -> None:
+@pytest.mark.parametrize("crossings, other", [(2, 0.3), (2, 0.8), (2, 3.0), (4, 2.0)])
+def test_several_crossings_in_a_period_give_the_whole_period(crossings: int, other: float) -> None:
     times = 1.7e9 + numpy.arange(1000) / 100.0
     turns = 2 * math.pi * 3.0 * times
-    values = numpy.sin(turns) + other * numpy.sin(2.0 * turns + 1.0)
+    values = numpy.sin(turns) + other * numpy.sin(crossings * turns + 1.0)
     assert hertz_of(times, values) == pytest.approx(3.0, rel=1e-3)
 
 

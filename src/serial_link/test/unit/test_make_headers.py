@@ -396,9 +396,16 @@ try typedef typeid typename union unsigned using virtual void volatile wchar_t w
 
 
 @pytest.mark.parametrize("kind", [(False, None), (True, 3), (True, None)])
-def test_field_may_have_the_name_of_a_keyword(kind: Any, tmp_path: pathlib.Path) -> None:
+def test_field_or_constant_may_have_the_name_of_a_keyword(
+    kind: Any, tmp_path: pathlib.Path
+) -> None:
     names = tuple(Field("bool", *kind, word) for word in KEYWORDS)
-    text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (), names)])
+    constants = tuple(Constant("bool", word, "1") for word in KEYWORDS)
+    parts = [
+        CppClass("Odd", "odd/Odd", "0", (), names),
+        CppClass("Constants", "odd/Odd", "0", constants, ()),
+    ]
+    text = header("odd", "Odd", parts)
     make_headers.write({WIRE_PATH: WIRE_HEADER, "odd/Odd.h": text}, tmp_path)
     (tmp_path / "program.cpp").write_text('#include "odd/Odd.h"\nodd::Odd it;\n')
     command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-I.", *LIBRARIES]

@@ -17,7 +17,8 @@ def test_bytes_arrive_at_baud_rate() -> None:
     assert line.arrived(1.005) == b""
     assert line.arrived(1.025) == b"ab"
     line.put(1.03, b"ef")
-    assert line.arrived(1.045) == b"cd" and line.waiting == 2
+    assert line.arrived(1.035) == b"c"
+    assert line.arrived(1.045) == b"d" and line.waiting == 2
     assert line.next_due() == pytest.approx(1.06)
     assert line.arrived(2.0) == b"ef" and line.next_due() == math.inf
 

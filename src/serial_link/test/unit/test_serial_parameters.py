@@ -1,10 +1,10 @@
 """Parameters of the link: their defaults and limits, and those that exclude each other."""
 
-from typing import Any
+from typing import Any, Set
 
 import pytest
 
-from serial_link.board_parameters import BoardParameters
+from serial_link.board_parameters import AvrParameters, BoardParameters
 from serial_link.serial_parameters import SerialParameters
 
 
@@ -38,6 +38,19 @@ def test_defaults_are_those_of_rosserial_python() -> None:
     assert (values.port, values.baud, values.tcp_port) == ("/dev/ttyUSB0", 57600, 11411)
     assert (values.tcp_address, values.tcp_boards) == ("localhost", "")
     assert values.service_timeout == 5.0
+
+
+@pytest.mark.parametrize(
+    "parameters, names",
+    [
+        (SerialParameters, {"port", "baud", "tcp_port", "tcp_address", "tcp_boards"}),
+        (AvrParameters, {"link", "sketch", "packages"}),
+    ],
+)
+def test_parameters_that_a_running_node_does_not_read_are_marked(
+    parameters: Any, names: Set[str]
+) -> None:
+    assert {name for name, each in parameters.declared.items() if each.read_once} == names
 
 
 @pytest.mark.parametrize(

@@ -173,7 +173,8 @@ class Responses(threading.Event):
 
     def __init__(self, service: OfferedService, *texts: str) -> None:
         super().__init__()
-        self.set()
+        if service._is_done.is_set():  # so that the first call is sent at once
+            self.set()
         self._service, self._texts = service, list(texts)
 
     def wait(self, timeout: Optional[float] = None) -> bool:

@@ -97,7 +97,7 @@ def without(topic: str) -> Callable[[], Law]:
         (student(winds_up=True), "windup", ["windup: time to leave", "integral keeps growing"]),
         (student(limit=0.9, winds_up=True), "windup", ["integral keeps growing"]),
         (law_of(winds_up_above), "windup", ["integral keeps growing"]),
-        (student(limit=1.5), "no clamp", ["the input is limited to ±1.5, not to ±1"]),
+        (student(limit=1.1), "no clamp", ["the input is limited to ±1.1, not to ±1"]),
         (student(least=-1e9), "no clamp, windup", ["the input is not limited below: keep it"]),
         (
             student(least=-1e9, winds_up=True),

@@ -14,7 +14,7 @@ from pid_control.identification.record import Record, record_of
 from pid_control.identification.report import as_picture, as_text
 from pid_control.identification.response import Model
 from pid_control.identification.step_reading import read_step
-from plants import autocorrelated, recorded
+from plants import answered, autocorrelated, recorded
 
 
 def heater(seed: int, noise: float = 0.2) -> Record:
@@ -94,6 +94,13 @@ def test_identify_threshold_dead_zone_is_not_taken_for_friction() -> None:
     found = identify(recorded(Model(10.0, 0.3, 0.0, 0.15), 0.01))
     assert found.model.dead_zone == pytest.approx(0.15, abs=0.02)
     assert found.model.friction == 0.0 and found.model.offset == 0.0
+
+
+def test_dead_zone_lies_between_levels_of_either_sign() -> None:
+    levels = [0.1, -0.2, 0.4, -0.5, 0.1, -0.7, 0.8, -0.2, 1.0, -0.5]
+    changes = [[5.0 * index, level] for index, level in enumerate(levels)]
+    found = identify(answered(changes, Model(10.0, 0.5, 0.1, 0.15), 50.0, 0.01, outputs=500))
+    assert 0.1 <= found.model.dead_zone <= 0.2
 
 
 @pytest.mark.extended

@@ -123,6 +123,7 @@ def test_judge_p_controller_reports_no_integral() -> None:
             "flood",
         ),
         ({("held", "standstill_answers"): 20.0}, "held", "late", "machine clock"),
+        ({("held", "standstill_answers"): 20.0}, "held", "kick", "machine clock"),
         ({("rate", "standstill_jump"): 0.3}, "rate", "standstill_jump", "machine clock"),
         ({("held", "late"): 1.0}, "steps", "late", "too seldom"),
         ({("held", "late"): 1.0}, "steps", "settling_time", "too seldom"),

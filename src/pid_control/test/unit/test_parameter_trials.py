@@ -150,6 +150,17 @@ def test_of_two_numbers_with_one_role_each_is_tried(tmp_path: pathlib.Path) -> N
     assert found.value_of(GENERATOR, "amplitude") == ("/signal_amplitude", 2.0)
 
 
+def test_name_in_capitals_belongs_to_its_node(tmp_path: pathlib.Path) -> None:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
+        return wave_loops({**parameters, "/signal_amplitude": parameters["/SIGNAL_AMPLITUDE"]})
+
+    package = copy(
+        "wave_loops", tmp_path, "config/params.yaml", "signal_amplitude", "SIGNAL_AMPLITUDE"
+    )
+    found, _, _ = tried(package, law)
+    assert found.value_of(GENERATOR, "amplitude") == ("/SIGNAL_AMPLITUDE", 2.0)
+
+
 def test_files_that_are_no_yaml_or_lead_nowhere_are_left_alone(tmp_path: pathlib.Path) -> None:
     package = copy("wave_loops", tmp_path, "package.xml", "", "")
     (package / "config" / "a_draft.yaml").write_text("[")

@@ -111,7 +111,7 @@ def test_coursework_bench_has_the_notes_of_the_latest_coursework_and_ends_its_ma
     monkeypatch.setattr(coursework_bench, "find_coursework", found)
     monkeypatch.setattr(signal_session, "SignalSession", lambda *_: session)
     for note in ("one", "two"):
-        assert bench.run(CourseworkRequest("/anna", [], [], {}))[1] == "why"
+        assert bench.run(CourseworkRequest("/handed_in", [], [], {}))[1] == "why"
         said = ["the messages of anna cannot be generated", note, "of the session"]
         assert bench.notes == said
     folders = [call[0][2] for call in generate.call_args_list]

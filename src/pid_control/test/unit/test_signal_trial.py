@@ -264,11 +264,16 @@ def test_process_node_with_other_topics_passes(loop: Loop, monkeypatch: pytest.M
     assert judgement.verdict == PASSED, judgement.failures
 
 
-def free_running(node: PlayedNode) -> Iterator[None]:
+def free_running(node: PlayedNode, omega: float = 3.0) -> Iterator[None]:
     node.subscribe("signal")
     while True:
-        node.publish("proc_signal", 1.5 + math.sin(3.0 * node.time() + 1.2))
+        node.publish("proc_signal", 1.5 + math.sin(omega * node.time() + 1.2))
         yield
+
+
+def slowly_free_running(node: PlayedNode) -> Iterator[None]:
+    """Publish a sine that only rises, or only falls, for six seconds."""
+    return free_running(node, 0.5)
 
 
 def counting(node: PlayedNode) -> Iterator[None]:
@@ -338,6 +343,12 @@ def absolute(node: PlayedNode) -> Iterator[None]:
     ("scenarios", "programs", "flaws", "says"),
     [
         (["restart"], {"process": free_running}, ["free-running"], "keeps oscillating"),
+        (
+            ["restart"],
+            {"signal_generator": slow_sine, "process": slowly_free_running},
+            ["free-running"],
+            "keeps oscillating",
+        ),
         (["restart"], {"process": counting}, ["restart"], "the output differs"),
         (["signal"], {"signal_generator": flood}, ["flood"], "/signal_generator computes"),
         (["signal"], {"process": restless}, ["flood"], "/process computes without a pause"),

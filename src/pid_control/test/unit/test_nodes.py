@@ -161,14 +161,18 @@ class ControllerRig:
 
 @pytest.mark.parametrize("timeout, grows", [(0.5, False), (3.0, True)])
 def test_controller_continues_from_its_last_input_after_missing_outputs(
-    timeout: float, grows: bool, clock: Clock
+    timeout: float, grows: bool, clock: Clock, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     """With a timeout of 3 s none is missing."""
+    warn = mock.Mock()
+    monkeypatch.setattr("rospy.logwarn", warn)
     rig = ControllerRig(clock, kp=0.08, ki=0.01, timeout=timeout)
     steps = ((0.01, 0.0), (0.02, 1.0), (2.0, 1.0), (2.01, 1.0))
     inputs = [rig.sent(time, speed)[0][0] for time, speed in steps]
     growth = 1.98 * 0.01 * 3.0 if grows else 0.0
     assert inputs[2] == pytest.approx(inputs[1] + growth) and inputs[3] > inputs[2]
+    said = [call[0][-1] for call in warn.call_args_list]
+    assert said == ([] if grows else ["no sample for more than 0.5 s before 2 s"])
 
 
 def test_controller_terms_have_the_error_and_the_time_of_their_output(clock: Clock) -> None:

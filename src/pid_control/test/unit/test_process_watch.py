@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 import time
-from typing import Iterator, List, Sequence
+from typing import Iterator, List, Sequence, Set
 
 import pytest
 
@@ -68,6 +68,21 @@ def test_is_idle_new_computing_thread_is_detected(computing: Watched) -> None:
         return computing.watch.is_idle() and len(os.listdir("/proc/self/fd")) <= descriptors
 
     wait_until(has_closed, lambda: "the file of the ended thread is open")
+
+
+def test_is_idle_thread_that_is_woken_after_its_turn_is_detected(
+    computing: Watched, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    read: Set[int] = set()
+
+    def states(descriptor: int, *_: int) -> bytes:
+        """Return that a thread waits, and that it is ready to run when it is read again."""
+        state = b"R" if descriptor in read else b"S"
+        read.add(descriptor)
+        return b"1 (python) " + state
+
+    monkeypatch.setattr("os.pread", states)
+    assert not computing.watch.is_idle()
 
 
 def test_busy_counts_processor_time(computing: Watched) -> None:

@@ -467,7 +467,12 @@ class View(PageTest):
         self.assertIn("1/Δt 0.6780 Hz", readout)
         # They keep their screen positions when the axis is relative to the trigger.
         self.browser.choose("#window", "1")
-        self.wait_drawn()
+
+        def shown() -> List[str]:
+            return self.browser.text(".dygraph-axis-label-x").replace("−", "-").split()
+
+        # A busy server sends the second later; cursors are placed on the drawn axis.
+        wait_until(lambda: -1.0 <= float(shown()[0]) < 0.0, lambda: str(shown()))
         for _ in range(2):
             self.browser.press("#cursors")
         handle = self.browser.wait_for(".cursor[aria-label='time cursor A']")

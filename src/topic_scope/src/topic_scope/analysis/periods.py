@@ -81,8 +81,9 @@ def frequency(
     :param longest: longest time between connected samples [s]; no period spans a gap
     :returns: the frequency [Hz]
     """
-    found = _frequency(times, values, longest)
-    if found.value is None or len(after_gaps(times, longest)):
+    firsts = after_gaps(times, longest)  # starts of all gapless pieces except the first
+    found = _frequency(times, values, firsts, longest)
+    if found.value is None or len(firsts):
         return found
     since = times - times[0]
     for _ in range(_ROUNDS):
@@ -91,7 +92,7 @@ def frequency(
         if abs(slope) <= doubt:
             break
         values = values - slope * since
-        again = _frequency(times, values, longest)
+        again = _frequency(times, values, firsts, longest)
         if again.value is None:
             return DRIFTS
         moved = abs(again.value - found.value)
@@ -113,27 +114,27 @@ def _slope_of_means(
     count = int(since[-1] / period)
     if count < 2:
         return 0.0, 0.0
-    areas = numpy.concatenate([[0.0], numpy.cumsum(numpy.diff(since) * _middles(values))])
-    means = numpy.diff(numpy.interp(period * numpy.arange(count + 1), since, areas)) / period
+    doubled = numpy.zeros(len(since))  # areas from the first sample on
+    numpy.cumsum(numpy.diff(since) * (values[1:] + values[:-1]), out=doubled[1:])
+    ends = period * numpy.arange(count + 1)
+    means = numpy.diff(numpy.interp(ends, since, doubled)) / (2.0 * period)
     at = numpy.arange(count) - (count - 1) / 2.0
     slope = float((at * means).sum() / numpy.square(at).sum()) / period
     rest = means - means.mean() - slope * period * at
     spread = math.sqrt(float(numpy.square(rest).sum()) / max(count - 2, 1))
     # A period ends between two samples, which leaves an error in its mean.
-    step = float(numpy.abs(numpy.diff(values)).max()) * count / len(values)
+    steps = numpy.diff(values)
+    step = float(max(steps.max(), -steps.min())) * count / len(values)
     noise = 3.0 * spread / (period * math.sqrt(float(numpy.square(at).sum())))
     return slope, noise + 3.0 * step / (count * period)
 
 
-def _middles(values: numpy.ndarray) -> numpy.ndarray:
-    return (values[1:] + values[:-1]) / 2.0
-
-
-def _frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
+def _frequency(
+    times: numpy.ndarray, values: numpy.ndarray, firsts: numpy.ndarray, longest: float
+) -> Measurement:
     """Measure the frequency of a trace with a steady mean."""
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
-    firsts = after_gaps(times, longest)  # starts of all gapless pieces except the first
     crossings, piece_of = _crossings(times, values, firsts)
     some = _some(len(times))
     best, noise = TOO_SHORT, 1.0

@@ -1,6 +1,8 @@
 # Pure: knows no ROS.
 """Lengths of arrays in serialized messages, and their elements' names, such as joint names."""
 
+import contextlib
+import itertools
 import re
 import struct
 from functools import partial
@@ -160,15 +162,17 @@ def first_missing(
     return path, None
 
 
-def _kind(layout: MessageLayout, message: bytes) -> Tuple[str, ...]:
-    """Return the names that distinguish messages about different elements."""
-    found = names_in(layout, message, ("",))
+def _named_arrays(layout: MessageLayout) -> List[Tuple[Path, str]]:
+    """Return the arrays with named elements: the path, and the field, as for :func:`names_in`."""
+    found: List[Tuple[Path, str]] = []
+    with contextlib.suppress(FieldError):
+        names_of(layout, ("",))
+        found.append((("",), ""))
     for name, node in layout.fields:
         if isinstance(node, Array) and isinstance(node.element, MessageLayout):
             fields = dict(node.element.fields)
-            own = [one for one in LABELS if isinstance(fields.get(one), Text)]
-            found += names_in(layout, message, (name,), own[0]) if own else []
-    return tuple(found)
+            found += [((name,), one) for one in LABELS if isinstance(fields.get(one), Text)][:1]
+    return found
 
 
 class Arrays:
@@ -178,6 +182,8 @@ class Arrays:
         self._known: Dict[Path, int] = {}
         self._named: Dict[Path, List[Path]] = {}
         self._layout: Optional[MessageLayout] = None
+        #: Arrays whose names distinguish messages about different elements.
+        self._named_arrays: List[Tuple[Path, str]] = []
         #: Time of receipt [s] and latest message by its names; publishers may differ in names.
         self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
@@ -188,10 +194,12 @@ class Arrays:
         :param message: the message
         :param time: time of receipt [s]
         """
-        known = self._messages if layout is self._layout else {}
-        known[_kind(layout, message)] = (time, message)
+        if layout is not self._layout:
+            self._layout, self._messages = layout, {}
+            self._named_arrays = _named_arrays(layout)
+        named = (names_in(layout, message, *array) for array in self._named_arrays)
+        known = {**self._messages, tuple(itertools.chain(*named)): (time, message)}
         recent = sorted(known.values(), reverse=True)[:_KINDS]
-        self._layout = layout
         self._messages = {
             names: one for names, one in known.items() if one in recent and one[0] > time - KEPT_S
         }

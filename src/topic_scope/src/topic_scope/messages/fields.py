@@ -17,6 +17,7 @@ formulas.
 
 import itertools
 import re
+from functools import lru_cache
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.messages.message_layout import Array, Layout, MessageLayout, Scalar, Text
@@ -115,6 +116,7 @@ def expand(expression: str) -> List[str]:
     return [first + end] + [f"{parent}/{other}{end}" for other in others]
 
 
+@lru_cache(maxsize=1024)
 def parted(name: str) -> Tuple[str, str, str]:
     """Split off the function and the timestamp source of a name.
 
@@ -184,6 +186,7 @@ def _quoted(name: str) -> str:
     return match.group() if match else ""
 
 
+@lru_cache(maxsize=1024)
 def to_path(text: str) -> Path:
     """Return the path of a text such as ``pose/x`` or ``data[3]``.
 

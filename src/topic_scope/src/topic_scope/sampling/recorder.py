@@ -359,7 +359,8 @@ class Recorder:
             return None if trace is not None and trace.span else "the topic does not exist yet"
         layout, trace = self._layout_of(place[0]), self._traces.get(name)
         try:
-            self.expand(name)
+            if trace is None or not trace.is_read:
+                self.expand(name)
             if isinstance(trace, OverlayTrace):
                 return trace.problem
             if layout is None:

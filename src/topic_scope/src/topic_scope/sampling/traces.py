@@ -249,6 +249,11 @@ class Trace:
         return "; ".join(filter(None, texts)) or None
 
     @property
+    def is_read(self) -> bool:
+        """Whether the messages have the field."""
+        return len(self._decoders) == len(self._paths)
+
+    @property
     def stream(self) -> Stream:
         """Stream of the samples."""
         return self._stream
@@ -270,7 +275,7 @@ class Trace:
         self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
     ) -> None:
         """Add the samples of messages; see :meth:`MessageSink.add`."""
-        if len(self._decoders) == len(self._paths):
+        if self.is_read:
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
             for decoder, row in zip(self._decoders, rows):
                 self._rounding = max(self._rounding, decoder.rounding(row))
@@ -296,6 +301,8 @@ class Trace:
     def rows(self, start: int, end: int) -> Rows:
         """Return the samples of a time span by the scope's clock, its ends included [ns]."""
         offset = self._offset_at(start, end)
+        if not offset:
+            return self.ring.between(start, end)
         span = shifted(start, -offset), shifted(end, -offset)
         times, values, received = self.ring.between(*span)
         return times + offset, values, received

@@ -208,7 +208,7 @@ class Over(unittest.TestCase):
             ),
             lambda: browser.text("#legend"),
         )
-        # The server measures a third of a second after the picture at the latest.
+        # The server measures half a second after the picture at the latest.
         wait_until(lambda: not browser.text(f"{row}.badge"), lambda: browser.text("#legend"))
         start, end = browser.run(
             "const link = document.querySelector('#csv'); link.dispatchEvent(new Event('focus'));"

@@ -158,7 +158,7 @@ def test_one_period_is_too_few() -> None:
 
 
 def test_noise_is_rejected_at_little_cost() -> None:
-    """Ten traces at 1 kHz are measured three times a second; sorting calibrates the machine."""
+    """Ten traces at 1 kHz are measured twice a second; sorting calibrates the machine."""
     times = 1.7e9 + numpy.arange(10_000) / 1000.0
     noise = numpy.random.RandomState(1).standard_normal(10_000)
     numbers = noise.tolist()

@@ -15,7 +15,7 @@ from topic_scope.web.handlers import PageSocket
 #: Period of frames [s].
 FRAME_S = 0.025
 #: Period of measurements [s], which cost as much as a dozen frames.
-STATISTICS_S = 0.33
+STATISTICS_S = 0.5
 #: Period of heartbeats [s]; after 10 s without one, a page closes its connection.
 ALIVE_S = 1.0
 _LOG_PERIOD_S = 10.0

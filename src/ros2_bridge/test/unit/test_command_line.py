@@ -1,11 +1,15 @@
 """Installation of the official command line, from repositories created by the test."""
 
+import concurrent.futures
+import fcntl
 import pathlib
+import re
 import subprocess
 from typing import List
 
 import pytest
 
+from nodekit.testing.waiting import wait_until
 from ros2_bridge.environment import command_line
 from ros2_bridge.environment.command_line import SOURCES, Source
 from ros2_bridge.environment.python_environment import PythonEnvironment, Unavailable
@@ -74,6 +78,28 @@ def test_release_is_installed_once(
         command_line.install(environment, newer, [source, source._replace(commit="0" * 40)])
 
 
+def test_installation_waits_for_another_command(
+    tmp_path: pathlib.Path,
+    source: Source,
+    environment: PythonEnvironment,
+    capsys: "pytest.CaptureFixture[str]",
+) -> None:
+    shown: List[str] = []
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        with (tmp_path / "ros2_twins" / "lock").open("w") as held:  # as any release holds it
+            fcntl.flock(held, fcntl.LOCK_EX)
+            later = pool.submit(
+                command_line.install, environment, tmp_path / "wheels.txt", [source]
+            )
+            wait_until(
+                lambda: shown.append(capsys.readouterr().err) or "waiting" in "".join(shown),
+                lambda: str(shown),
+            )
+            assert calls(tmp_path) == []
+        later.result()
+    assert len(calls(tmp_path)) == 2
+
+
 def test_missing_repository_is_named(
     tmp_path: pathlib.Path, environment: PythonEnvironment
 ) -> None:
@@ -97,3 +123,19 @@ def test_failed_installation_is_retried(
 
 def test_commits_are_full_hashes() -> None:
     assert all(len(source.commit) == 40 for source in SOURCES)
+
+
+def test_repositories_and_commands_are_those_that_the_page_names() -> None:
+    page = (pathlib.Path(__file__).resolve().parents[4] / "docs" / "ros2_bridge.md").read_text(
+        "utf-8"
+    )
+    (versions,) = re.findall(
+        r"the official command line of Jazzy .*?:(.*?) from GitHub", page, re.S
+    )
+    assert {source.url.rpartition("/")[2] for source in SOURCES} == {
+        *re.findall(r"(\w+) \d", versions)
+    }
+    (listed,) = re.findall(r"The commands are (.*?)\.", page, re.S)
+    commands = {*re.findall("`([a-z]+)`", listed)} - {"daemon"}  # which is of ros2cli
+    packages = {package for source in SOURCES for package in source.packages}
+    assert packages == {".", "ros2cli", *(f"ros2{command}" for command in commands)}

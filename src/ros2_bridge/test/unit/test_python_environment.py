@@ -115,6 +115,61 @@ def test_folder_that_cannot_be_written_to_is_named(
     assert shown.endswith("is not writable, choose another with --into\n")
 
 
+def test_arguments_name_the_folder_the_packages_and_the_command_line(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    calls: List[Any] = []
+
+    def make(self: PythonEnvironment, wheels: pathlib.Path, packages: Any) -> None:
+        calls.append((self.folder, wheels.name, packages))
+
+    def install(_: PythonEnvironment, wheels: pathlib.Path) -> None:
+        calls.append(wheels.name)
+
+    def run(*arguments: str) -> List[Any]:
+        monkeypatch.setattr(sys, "argv", ["make_environment", *arguments])
+        calls.clear()
+        assert make_environment.main() == 0
+        return calls
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ROS_HOME", str(tmp_path / "home"))
+    monkeypatch.setattr(PythonEnvironment, "make", make)
+    monkeypatch.setattr(make_environment.command_line, "install", install)
+    debian = {name: pathlib.Path("/usr/share", name) for name in ("acme_msgs", "std_msgs")}
+    monkeypatch.setattr(python_environment, "debian_packages", lambda: dict(debian))
+    ((folder, wheels, packages),) = run()
+    assert (folder, wheels) == (tmp_path / "home" / "ros2_bridge", "wheels.txt")
+    assert {*debian, "ros2_bridge", "basic_comms"} <= {*packages}
+    package(tmp_path / "src" / "acme_msgs")
+    (folder, _, packages), wheels = run("--into", "x", "--sources", "src", "--command-line")
+    assert (folder, wheels) == (tmp_path / "x", "command_line.txt")
+    assert packages == {**debian, "acme_msgs": pathlib.Path("src", "acme_msgs")}
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(PythonEnvironment, "make", interrupt)
+    assert make_environment.main() == 130
+    assert capsys.readouterr().err == "make_environment: interrupted: run it again\n"
+
+
+def test_only_what_has_no_wheel_is_built_from_its_source(
+    monkeypatch: "pytest.MonkeyPatch", place: pathlib.Path, wheels: pathlib.Path
+) -> None:
+    commands: List[Sequence[str]] = []
+    ours = PythonEnvironment(place)
+    monkeypatch.setattr(ours, "run", lambda command, *_: commands.append(command))
+    ours._install(wheels)
+    venv, tools, rest = commands
+    assert venv[1:] == ["-m", "venv", str(place)]
+    assert {"--no-deps", "--only-binary"} <= {*tools} & {*rest}
+    assert tools[-2:] == ["--requirement", str(wheels.with_name("build_tools.txt"))]
+    assert "--no-binary" not in tools
+    assert rest[-5:-2] == ["--no-binary", "empy", "--no-build-isolation"]
+    assert rest[-2:] == ["--requirement", str(wheels)]
+
+
 def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:
     ours = PythonEnvironment(place)
     place.with_name("ros2_twins").mkdir()
@@ -203,6 +258,13 @@ def test_users_folder_is_rejected_and_kept(
         Environment(place).make(wheels, {})
     assert mine.exists()
     assert sorted(path.name for path in place.parent.iterdir()) == [name, "wheels.txt"]
+
+
+def test_users_file_is_rejected_and_kept(wheels: pathlib.Path, place: pathlib.Path) -> None:
+    place.write_text("mine")
+    with pytest.raises(Unavailable, match="ros2 is not empty and was not created by this command"):
+        Environment(place).make(wheels, {})
+    assert place.read_text() == "mine"
 
 
 def test_environment_of_an_earlier_release_is_taken_over(

@@ -192,6 +192,17 @@ def test_rule_has_no_effect_where_the_other_message_contains_another_type():
     assert unassigned("a/Path", first, "b/Path", second, rules) == ([], [])
 
 
+def test_rule_has_an_effect_on_one_of_two_fields_of_a_type_with_two_counterparts():
+    first = messages("a/A:P[] one,P[] two | a/P:int8 x,int8 y")
+    second = messages("b/A:P[] one,Q[] two | b/P:int8 y,int8 x | b/Q:int8 x,int8 z,int8 y")
+    rules = {"a/P": FieldRules("b/Q", {}, [], ["z"])}
+    converter = FieldMapping("a/A", first, "b/A", second, rules, lambda _: b"\0\7\0")
+    count = struct.pack("<I", 1)
+    data = count + b"\1\2" + count + b"\3\4"
+    assert converter.to_second(data) == count + b"\2\1" + count + b"\3\7\4"
+    assert converter.to_first(converter.to_second(data)) == data
+
+
 def test_longest_path_in_the_rules_counts_before_those_of_nested_messages():
     first = messages("a/A:B b | a/B:C c,int8 i | a/C:int16 x,int32 y")
     second = messages("b/A:F f,E e | b/F:int8 i | b/E:int32 v,int16 u")

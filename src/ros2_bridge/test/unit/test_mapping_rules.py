@@ -85,6 +85,13 @@ def test_rule_of_the_user_replaces_one_that_is_built_in():
     assert rules.ros2_name("action", "move_base_msgs/MoveBase")
 
 
+def test_entries_without_a_value_are_empty():
+    """As YAML has them: ``fields:`` without more."""
+    for left_out in (None, {"ros1": None, "ros2": None}):
+        rules = MappingRules([{**RANGE, "fields": None, "left_out": left_out}])
+        assert rules.fields["sensor_msgs/Range"] == ("sensor_msgs/Range", {}, [], [])
+
+
 def test_rule_for_a_service_leaves_the_action_of_its_name():
     service = {"ros1": "nav_msgs/GetMap", "ros2": "acme_msgs/srv/GetMap"}
     rules = MappingRules([service])
@@ -105,6 +112,7 @@ def test_rule_for_a_package_replaces_those_that_are_built_in_for_its_types():
     ("rules", "reason"),
     [
         ("text", "'text' is not a list of rules"),
+        (RANGE, "is not a list of rules"),
         ([3], "3 is not a rule with texts ros1 and ros2"),
         ([{"ros1": "a/B"}], "is not a rule with texts ros1 and ros2"),
         ([{**RANGE, "field": {}}], "sensor_msgs/Range: field is not one of fields, left_out"),

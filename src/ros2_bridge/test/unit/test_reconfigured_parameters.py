@@ -15,8 +15,14 @@ from dynamic_reconfigure.msg import (
     StrParameter,
 )
 
-from ros2_bridge.parameters import reconfigured_parameters
+from nodekit import CallError, MasterUnreachable
+from ros2_bridge.parameters import reconfigured_parameters, ros1_parameters
 from ros2_bridge.parameters.reconfigured_parameters import ReconfiguredParameters
+from ros2_bridge.parameters.ros1_parameters import (
+    DescribedParameters,
+    ServerParameters,
+    UnreadableParameters,
+)
 from ros2_bridge.parameters.values import DOUBLE, INTEGER, STRINGS
 
 CHOICES = "{'enum': [{'name': 'Slow', 'value': 0}, {'name': 'Fast', 'value': 2}]}"
@@ -100,6 +106,49 @@ def test_described_parameters_without_values_are_not_there_yet(node: Node) -> No
     assert sorted(parameters.read()) == ["names", "use_sim_time"]
     node.callbacks["/camera/parameter_updates"](Config(ints=[IntParameter("mode", 2)]))
     assert sorted(parameters.read()) == ["mode", "names", "use_sim_time"]
+
+
+def test_nothing_is_changed_before_the_node_has_described_its_parameters(node: Node) -> None:
+    scope: Any = node
+    why = ReconfiguredParameters(scope, "/camera", scope).change({"gain": 1.5})
+    assert why == "/camera has not described its parameters yet; try again"
+    assert not node.sent and "/camera/gain" not in node.server
+
+
+@pytest.mark.parametrize("entries", [{"gain": {}}, {"gain": None}, {"gain": {"value": 1}}])
+def test_malformed_description_is_an_error_of_its_node(
+    node: Node, monkeypatch: "pytest.MonkeyPatch", entries: Any
+) -> None:
+    def client(*_: Any) -> Any:
+        return SimpleNamespace(describe=lambda: entries)
+
+    monkeypatch.setattr(ros1_parameters, "ParameterClient", client)
+    fake: Any = node
+    with pytest.raises(UnreadableParameters, match="malformed description of /camera: "):
+        DescribedParameters(fake, "/camera").read()
+
+
+def test_node_or_master_that_does_not_answer_is_the_reason(
+    node: Node, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    def fail(*_: Any) -> Any:
+        raise CallError("/camera/describe: no answer")
+
+    def is_gone(*_: Any) -> Any:
+        raise MasterUnreachable("http://localhost:1")
+
+    client = SimpleNamespace(describe=fail, change=fail)
+    monkeypatch.setattr(ros1_parameters, "ParameterClient", lambda *_: client)
+    fake: Any = node
+    described, plain = DescribedParameters(fake, "/camera"), ServerParameters(fake, "/camera")
+    with pytest.raises(UnreadableParameters, match="^/camera/describe: no answer$"):
+        described.read()
+    assert described.change({"gain": 1.0}) == "/camera/describe: no answer"
+    monkeypatch.setattr(node, "read", is_gone)
+    monkeypatch.setattr(node, "lookup_service", is_gone, raising=False)
+    with pytest.raises(UnreadableParameters, match="http://localhost:1"):
+        plain.read()
+    assert "http://localhost:1" in plain.change({"gain": 1.0})
 
 
 @pytest.mark.parametrize(

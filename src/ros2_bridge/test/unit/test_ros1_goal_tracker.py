@@ -202,6 +202,23 @@ def test_ros1_goals_are_tracked(clients: Clients) -> None:
     assert clients.cancelled == [(DONE, [uuid])]
 
 
+@pytest.mark.parametrize(
+    "status, seen",
+    [
+        (Ros1Status.PENDING, Ros2Status.ACCEPTED),
+        (Ros1Status.ACTIVE, Ros2Status.EXECUTING),
+        (Ros1Status.PREEMPTING, Ros2Status.CANCELING),
+        (Ros1Status.RECALLING, None),
+        (Ros1Status.ABORTED, None),
+    ],
+)
+def test_ros1_goal_is_tracked_if_it_may_still_succeed(
+    clients: Clients, status: Ros1Status, seen: Optional[Ros2Status]
+) -> None:
+    clients.goals.on_status([("/node-1-7.5", 7, status)], 0.0)  # at the start of the bridge
+    assert list(clients.status.values()) == ([seen] if seen else [])
+
+
 def test_cancellation_is_answered_when_all_goals_react(clients: Clients) -> None:
     clients.send(ONE, 1)
     clients.send(TWO, 2)

@@ -8,6 +8,7 @@ import time
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, List
+from unittest import mock
 
 import both
 import pytest
@@ -26,6 +27,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.actions.discovery import Server
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2 import client as client_module
 from ros2_bridge.ros2 import wait_loop
 from ros2_bridge.ros2.call_window import QUEUE
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
@@ -307,7 +309,10 @@ def test_request_that_ros1_cannot_represent_is_answered_with_the_reason() -> Non
     pair.kind = SimpleNamespace(raw=raw, cls=SetBool, request=SimpleNamespace(to_ros1=refuse))
     sent: List[Any] = []
     pair._answer(SetBool.Request(), sent.append)
-    assert [(one.success, one.message) for one in sent] == [(False, "a time before 1970")]
+    pair.kind.response = SimpleNamespace(to_cdr=refuse)
+    answered = SimpleNamespace(result=lambda: SimpleNamespace(_buff=b""))
+    pair._wait(answered, sent.append)  # the same of its response
+    assert [(one.success, one.message) for one in sent] == [(False, "a time before 1970")] * 2
     texts = dict.fromkeys(("status_message", "message"), "string")  # as controllers answer
 
     class Both:
@@ -322,8 +327,15 @@ def test_calls_without_an_answer_leave_nothing() -> None:
     numbers = itertools.count()
     handle = SimpleNamespace(send_request=lambda _: next(numbers))
     offered = SimpleNamespace(service_is_ready=lambda: True, handle=handle)
-    participant: Any = SimpleNamespace(create_client=lambda *_: (offered, id))
-    client = Ros2Client(participant, Trigger, "/stuck")
+    depths: List[int] = []
+
+    def create_client(*given: Any) -> Any:
+        depths.append(given[3])
+        return offered, id
+
+    participant: Any = SimpleNamespace(create_client=create_client)
+    client = Ros2Client(participant, Trigger, "/stuck", 50)
+    assert depths == [50]  # of the many answers to goals that are sent at once
     for _ in range(2 * QUEUE):
         with pytest.raises(NoResponse, match="/stuck in ROS 2: no answer within 0.001 s$"):
             client.call(None, 0.001)
@@ -334,6 +346,26 @@ def test_calls_without_an_answer_leave_nothing() -> None:
         with pytest.raises(NoResponse, match=f"within 0.001 s{end}"):
             client.call(None, 0.001)
         client._window.enter(0.0)
+
+
+def test_call_that_waited_for_its_turn_ends_in_time(monkeypatch: "pytest.MonkeyPatch") -> None:
+    clock = SimpleNamespace(now=100.0)
+    waits: List[float] = []
+
+    def enter(_: float) -> int:
+        clock.now += 4.0
+        return 1
+
+    event = SimpleNamespace(wait=waits.append)
+    fake = SimpleNamespace(Event=lambda: event)
+    monkeypatch.setattr(client_module, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    monkeypatch.setattr(client_module, "threading", fake)
+    client: Any = Ros2Client.__new__(Ros2Client)
+    client._name, client.send, client.forget = "/slow", lambda *_: 1, id
+    client._window = mock.MagicMock(enter=enter)
+    with pytest.raises(NoResponse, match="/slow in ROS 2: no answer within 5 s"):
+        client.call(None, 5.0)
+    assert waits == [1.0]
 
 
 def test_closed_service_leaves_nothing() -> None:
@@ -410,27 +442,59 @@ def test_unfinished_subscription_receives_once_in_a_turn_and_not_after_its_end()
     assert calls == [0, "busy", -1, "busy"]
 
 
+def test_failing_subscription_keeps_no_other_from_its_turn(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    loop: Any = WaitLoop.__new__(WaitLoop)
+    loop._wake_up, loop._unfinished, loop._throttle = None, [], Throttle(1.0)
+    received: List[str] = []
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logerr", lines.append)
+
+    def fail(_: int) -> None:
+        raise RuntimeError("of one topic")
+
+    broken, good = (
+        Waitable("subscription", SimpleNamespace(handle=name), receive)
+        for name, receive in (("a", fail), ("b", lambda _: received.append("good")))
+    )
+    wait_set = SimpleNamespace(
+        clear_entities=dict,
+        add_guard_condition=id,
+        wait=id,
+        get_ready_entities=lambda _: ["a", "b"],
+    )
+    for unfinished in ([], [broken]):
+        loop._unfinished = unfinished
+        loop._wait(wait_set, [("subscription", id, {"a": broken, "b": good})])
+    assert received == ["good"] * 2
+    assert len(lines) == 1 and "of one topic" in lines[0]
+
+
 def test_loop_pauses_after_a_failure(monkeypatch: "pytest.MonkeyPatch") -> None:
     loop: Any = WaitLoop.__new__(WaitLoop)
     loop._throttle, loop._ended = Throttle(1.0), False
     calls: List[Any] = []
 
     def fail() -> None:
-        calls.append("failed")
-        loop._ended = len(calls) >= 3
-        raise RuntimeError("of ROS 2")
+        calls.append("called")
+        loop._ended = len(calls) >= 4
+        if len(calls) > 1:
+            raise RuntimeError("of ROS 2")
 
     monkeypatch.setattr(wait_loop, "time", SimpleNamespace(sleep=calls.append))
     monkeypatch.setattr(rospy, "logerr", id)
     loop._wait_until_changed = fail
     loop._run()
-    assert calls == ["failed", 0.2, "failed"]
+    assert calls == ["called", "called", 0.2, "called"]  # at once after what changed
 
 
 def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
     participant = Participant("/beside_the_tests")
     loop, sends = participant.calls, []
-    wait, failures = loop._wait, ["of ROS 2"]
+    wait, failures = loop._wait, ["of ROS 2"] * 2
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logerr", lines.append)
 
     def fail_once(*given: Any) -> None:
         if failures:
@@ -444,10 +508,13 @@ def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.Mon
     monkeypatch.setattr(loop, "_wait", fail_once)
     owner = participant.create_node("/owner")
     end = participant.create_service(owner, Trigger, "/ping", answer)
+    participant.create_service(participant.node, Trigger, "/pong", answer)
     assert ros.call2(Trigger, "/ping").success and not failures
+    assert len(lines) == 1 and "RuntimeError: of ROS 2" in lines[0]  # one a second at most
     participant.destroy_node(owner)  # and with it what it offers, before that is ended
     wait_until(lambda: owner not in participant._nodes, lambda: "it stays")
+    assert ros.call2(Trigger, "/pong").success  # of another node
     end()
-    assert not loop._waitables
+    assert len(loop._waitables) == 1
     sends[0](Trigger.Response())  # as one does whose answer was not ready in time
     participant.close()

@@ -7,7 +7,7 @@ import signal
 import threading
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, List, cast
+from typing import Any, Dict, List, cast
 
 import both
 import pytest
@@ -41,6 +41,7 @@ from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.selection import Route, Rules
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.rules.skip_log import SkipLog
 
 
@@ -190,9 +191,15 @@ def test_server_of_ros2_leaves_nothing_and_may_have_no_goal_to_cancel(
 
 def test_goals_that_a_server_has_already_are_listed_once_it_is_offered() -> None:
     sent: List[bytes] = []
+    qualities: List[QosProfile] = []
+
+    def create_publisher(*given: Any) -> Any:
+        qualities.append(given[3])
+        return SimpleNamespace(publish=sent.append)
+
     server: Any = Ros1ServerInRos2.__new__(Ros1ServerInRos2)
     server._participant = SimpleNamespace(
-        create_publisher=lambda *_: SimpleNamespace(publish=sent.append),
+        create_publisher=create_publisher,
         create_service=lambda *_: None,
         destroy_publisher=None,
     )
@@ -207,6 +214,30 @@ def test_goals_that_a_server_has_already_are_listed_once_it_is_offered() -> None
     server._offer()
     ((goal,),) = map(read_list, sent)
     assert (goal.stamp, goal.status) == (5, GoalStatus.STATUS_EXECUTING)
+    assert qualities == [QosProfile(1, latched=True), QosProfile(1000)]  # of list and feedback
+
+
+def test_bursts_of_answers_and_of_feedback_are_kept(ros: both.Both) -> None:
+    depths: List[int] = []
+    qualities: Dict[str, QosProfile] = {}
+
+    def create_client(*given: Any) -> Any:
+        depths.append(given[3])
+        return None, id
+
+    def subscribe(_: Any, topic: str, quality: QosProfile, __: Any) -> Any:
+        qualities[topic] = quality
+        return id
+
+    node: Any = SimpleNamespace(create_scope=dict)
+    participant: Any = SimpleNamespace(create_client=create_client, create_subscription=subscribe)
+    kind = ros.types.action("bot_controller_demo_msgs/GoTo")
+    Ros2ServerInRos1(node, participant, "/hand", "/left/hand", kind, lambda: 1.0)
+    assert depths == [1000] * 3
+    assert qualities == {
+        "/left/hand/_action/status": QosProfile(1, latched=True),
+        "/left/hand/_action/feedback": QosProfile(1000),
+    }
 
 
 def test_answers_to_a_bounded_number_of_goals_are_awaited(

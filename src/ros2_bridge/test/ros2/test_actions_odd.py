@@ -22,12 +22,14 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from bot_controller_demo_msgs.action import GoTo
+from nodekit import Throttle
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT, Goal
 from ros2_bridge.actions.states import Ros1Status
+from ros2_bridge.actions.status_list import ListedGoal, write_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.types.codec_ops import ConversionError
 
@@ -299,7 +301,7 @@ def test_goal_without_id_and_time_gets_both(ros: both.Both) -> None:
     assert (second, stamp) == ("mine", 7)
 
 
-def test_feedback_that_ros1_cannot_represent_is_not_sent(
+def test_feedback_and_lists_that_are_malformed_keep_no_other_from_arriving(
     ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     lines: List[str] = []
@@ -313,12 +315,20 @@ def test_feedback_that_ros1_cannot_represent_is_not_sent(
     sent: List[Any] = []
     server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
     server._name, server._lock, server._is_offered = "/hand", threading.Lock(), True
-    server._throttle = SimpleNamespace(is_due=lambda _: True)
+    server._throttle = Throttle(60.0)
     feedback = SimpleNamespace(to_ros1=to_ros1)
     server.kind = SimpleNamespace(feedback=feedback, raw_feedback=SimpleNamespace)
     server._feedback1 = SimpleNamespace(publish=sent.append)
     goal = Goal("mine", bytes(16), 7, 0.0, True)
     server._goals = SimpleNamespace(under_way=lambda _: goal)
-    server._on_feedback([SimpleNamespace(data=bytes(20) + end) for end in (b"half", b"late")])
-    assert [message._buff[-4:] for message in sent] == [b"half"]
+    arrived = (b"half", b"late", b"late", b"done")
+    server._on_feedback([SimpleNamespace(data=bytes(20) + end) for end in arrived])
+    assert [message._buff[-4:] for message in sent] == [b"half", b"done"]
     assert lines == ["/hand: feedback to ROS 1: a time before 1970"]
+    listed: List[Any] = []
+    server._goals.on_status = lambda *given: listed.append(given[:2]) or []
+    good = write_list([ListedGoal(bytes(16), 7, Ros2Status.STATUS_EXECUTING)])
+    for lists in ((b"", good), (b"",)):
+        server._on_status([SimpleNamespace(data=data, sender=b"us") for data in lists])
+    assert listed == [([(bytes(16), 7, Ros2Status.STATUS_EXECUTING)], b"us")]
+    assert len(lines) == 2 and lines[1].startswith("/hand: invalid list of goals from ROS 2: ")

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from functools import partial
 from types import SimpleNamespace
-from typing import Any, Dict, List, cast
+from typing import Any, Dict, List, Set, cast
 
 import both
 import pytest
@@ -29,6 +29,7 @@ from ros2_bridge.ros2.graph import Ros2Graph
 from ros2_bridge.ros2.received_message import ReceivedMessage
 from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.topics.rosout import Rosout
 
@@ -151,10 +152,16 @@ class FewNodes(NodeBridge):
 
     def __init__(self) -> None:
         self.log = SkipLog()
+        self.qualities: List[QosProfile] = []
+
+        def create_publisher(*given: Any) -> Any:
+            self.qualities.append(given[3])
+            return SimpleNamespace(publish=None)
+
         participant: Any = SimpleNamespace(
             node=None,
-            create_publisher=lambda *_: SimpleNamespace(publish=None),
-            create_subscription=lambda *_: None,
+            create_publisher=create_publisher,
+            create_subscription=lambda *given: self.qualities.append(given[2]),
             create_node=lambda _: object(),
             destroy_node=id,
         )
@@ -271,6 +278,7 @@ def test_changes_of_nodes_of_ros2_alone_are_written_to_ros1() -> None:
     senders = (b"ours", b"theirs")
     bridge._forward_events([ReceivedMessage(one, who, 1) for one in events for who in senders])
     assert written == ["/motor"]
+    assert bridge.qualities == [QosProfile(1000)] * 2  # as rclpy's, for many changes at once
 
 
 def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
@@ -426,11 +434,15 @@ def test_log_line_of_ros1_is_the_same_in_ros2() -> None:
 def test_log_line_is_that_of_the_present_node() -> None:
     sent: List[Any] = []
     ended: List[Any] = []
+    qualities: Set[QosProfile] = set()
+
+    def create_publisher(owner: Any, _: Any, __: str, quality: QosProfile) -> Any:
+        qualities.add(quality)
+        return SimpleNamespace(publish=lambda log: sent.append((owner, log.msg)))
+
     participant: Any = SimpleNamespace(
         node="bridge",
-        create_publisher=lambda owner, *_: SimpleNamespace(
-            publish=lambda log: sent.append((owner, log.msg))
-        ),
+        create_publisher=create_publisher,
         destroy_publisher=lambda owner, _: ended.append(owner),
     )
     rosout, owners = Rosout(cast(Any, None), participant, Renaming()), cast(Any, dict)
@@ -440,3 +452,4 @@ def test_log_line_is_that_of_the_present_node() -> None:
     nodes_of_lines = ["bridge", "first", "again", "again", "bridge"]
     assert sent == [(node, "it moves") for node in nodes_of_lines]
     assert ended == ["first", "again"]
+    assert qualities == {QosProfile(1000, latched=True)}  # as rclpy's nodes

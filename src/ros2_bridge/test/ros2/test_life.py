@@ -108,6 +108,10 @@ def test_participant_closes_after_its_nodes(
         return sorted(name for name, _ in names if name.startswith(("leaves", "_ros2_bridge")))
 
     wait_until(lambda: len(listed()) == 2, lambda: str(listed()))
+    # Of a node's own, besides what the bridge offers for it.
+    assert ros.node.get_service_names_and_types_by_node("leaves", "/") == []
+    logs = ros.node.get_publishers_info_by_topic("/rosout")
+    assert not [one.node_name for one in logs if one.node_name.startswith("leaves")]
 
     def temporary() -> List[str]:
         names = ros.node.get_topic_names_and_types()

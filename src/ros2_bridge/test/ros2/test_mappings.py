@@ -2,6 +2,7 @@
 
 import pathlib
 import struct
+import sys
 from typing import Any
 
 import both
@@ -12,6 +13,7 @@ from geometry_msgs.msg import TransformStamped
 from nodekit.testing.waiting import wait_until
 from visualization_msgs.msg import Marker, MarkerArray
 
+from ros2_bridge.nodes import bridge as bridge_node
 from ros2_bridge.nodes.bridge import read_rules
 
 
@@ -120,6 +122,22 @@ def test_print_pairs_applies_the_rules_in_a_file(tmp_path: pathlib.Path) -> None
         assert command.error_lines[0].startswith("bridge: --print-pairs: ")
         assert why in " ".join(command.error_lines)
         assert not any("Traceback" in line for line in command.error_lines)
+
+
+def test_arguments_that_name_no_rules_or_types_are_refused(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(bridge_node, "end", sys.exit)
+    nothing = ("geometry_msgs/Nothing", "geometry_msgs/msg/Pose")
+    for function, given, why in (
+        (bridge_node.print_pairs, ["a.yaml", "b.yaml"], "unexpected argument b.yaml; give at most"),
+        (bridge_node.print_pairs, ["/nowhere.yaml"], "No such file or directory: '/nowhere.yaml'"),
+        (bridge_node.print_draft, ["std_msgs", "acme_msgs"], "a draft is of a rule for types"),
+        (bridge_node.print_draft, [*nothing], "geometry_msgs/Nothing is not installed in ROS 1"),
+        (bridge_node.print_draft, [*nothing, "x"], "needs a ROS 1 type and a ROS 2 type"),
+    ):
+        with pytest.raises(SystemExit, match=f"^bridge: --(print-pairs|draft-mapping).*{why}"):
+            function(given)
 
 
 def test_file_with_more_than_rules_is_refused(tmp_path: pathlib.Path) -> None:

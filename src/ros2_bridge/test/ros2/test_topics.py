@@ -625,6 +625,23 @@ def test_type_of_a_subscriber_to_any_type_is_unknown() -> None:
     assert bridge._kind(Route("/level", True)) is None
 
 
+def test_topic_with_subscribers_of_another_type_is_not_bridged_to_them() -> None:
+    bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
+    bridge._types = SimpleNamespace(ros1_name=lambda name: name.replace("/msg", ""), message=str)
+    bridge._ros1 = Ros1Graph({}, {}, {"/level": "std_msgs/Float32"}, {}, 1)
+    for name, is_same in (("Float32", True), ("String", False)):
+        heard = Topic({f"std_msgs/msg/{name}"}, set(), set(), {"/display"}, {}, set())
+        bridge._ros2 = {"/level": heard}
+        if is_same:
+            assert bridge._kind(Route("/level", True)) == "std_msgs/Float32"
+            continue
+        types = "std_msgs/Float32 in ROS 1, std_msgs/msg/String$"
+        with pytest.raises(
+            Unbridgeable, match=f"/level to ROS 2, as it has several types: {types}"
+        ):
+            bridge._kind(Route("/level", True))
+
+
 @pytest.mark.parametrize("chosen", ([], [{"topic": "/map", "durability": "transient_local"}]))
 def test_topic_without_subscribers_is_received_while_it_is_latched(chosen: Any) -> None:
     calls: List[str] = []

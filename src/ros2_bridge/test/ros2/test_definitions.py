@@ -131,6 +131,55 @@ def test_other_definitions_of_ros1_are_named_with_both_checksums(
     out.unregister()
 
 
+def test_package_that_needs_a_failed_one_is_not_built(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(twin_builder, "SITE", tmp_path / "site")
+    run_step = twin_builder.StepRunner()
+    steps: List[str] = []
+
+    def package(name: str, *needs: str) -> twin_builder.Package:
+        (tmp_path / name).mkdir()
+        return twin_builder.Package(name, tmp_path / name, list(needs))
+
+    def fail() -> None:
+        raise RuntimeError("x.c:3:\n  error: no")
+
+    assert not run_step(package("odd"), fail)
+    assert not run_step(package("user", "std_msgs", "odd"), lambda: steps.append("user"))
+    assert run_step(package("good", "std_msgs"), lambda: steps.append("good"))
+    assert steps == ["good"]
+    reasons = {path.parent.name: path.read_text() for path in tmp_path.glob("*/error")}
+    assert reasons == {"odd": "x.c:3: error: no", "user": "it needs odd, which does not build"}
+
+
+@pytest.mark.parametrize(
+    ("script", "reason"),
+    [
+        ("echo In file x.c:; echo 'x.c:3: error: no'; echo 'error: 2'; exit 1", "x.c:3: error: no"),
+        ("echo compiling; echo killed; exit 2", "killed"),
+        ("exit 3", "sh ended with 3"),
+    ],
+)
+def test_first_error_of_the_compiler_is_the_reason(script: str, reason: str) -> None:
+    with pytest.raises(RuntimeError, match=f"^{reason}$"):
+        twin_builder.run("sh", "-c", script)
+
+
+def test_libraries_of_an_earlier_build_are_replaced(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(twin_builder, "LIBRARIES", tmp_path)
+    monkeypatch.setattr(twin_builder, "link", lambda *_: None)
+    monkeypatch.setattr(twin_builder, "add_to_index", lambda _: None)
+    package = twin_builder.Package("acme_msgs", tmp_path / "acme_msgs", [])
+    for _ in range(2):
+        twin_builder.link_package(package, [])
+    named = {path.name: os.readlink(path) for path in tmp_path.iterdir()}
+    kinds = (twin_builder.FASTRTPS, twin_builder.INTROSPECTION)
+    assert named == {f"libacme_msgs__{kind}.so": "libacme_msgs__twin.so" for kind in kinds}
+
+
 class SilentClient:
     """Client of a service that is not offered."""
 
@@ -176,3 +225,6 @@ def test_other_names_are_warned_of_once(monkeypatch: "pytest.MonkeyPatch") -> No
         assert definitions.are_known_to_fit("/speed", name, its_hash, node)
     (line,) = lines
     assert line.startswith("/speed: /wheel has another definition of std_msgs/msg/Int32, with")
+    _, fields = definitions._own_definition("std_msgs/msg/Header")
+    names = [one.name for one in fields]
+    assert names == ["stamp.sec", "stamp.nanosec", "frame_id"]  # compared as they are sent

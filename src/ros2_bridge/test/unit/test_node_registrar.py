@@ -1,9 +1,11 @@
 """Registrations of ROS 2 nodes with the ROS 1 master."""
 
+import os
 from typing import Any, Dict, Iterator, List, Set, Tuple
 
 import pytest
 
+from nodekit.master import CONNECTED_ELSEWHERE
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1 import node_registrar
 from ros2_bridge.ros1.graph import Ros1Graph
@@ -138,6 +140,17 @@ def test_nodes_of_a_killed_bridge_are_removed_and_those_of_another_kept(
     assert not registrar.remove_stale(graph())
     refusing.add("http://other/")  # it came back, and was killed
     assert registrar.remove_stale(graph("/other"))
+
+
+def test_requests_of_ros1_to_the_nodes_are_answered(registrar: NodeRegistrar) -> None:
+    nodes, caller = registrar._address, "/caller"
+    assert nodes.getPid(caller) == [1, "", os.getpid()]
+    assert nodes.getBusInfo(caller) == [1, CONNECTED_ELSEWHERE, []]
+    assert nodes.getSubscriptions(caller) == [1, "", []]
+    assert nodes.publisherUpdate(caller, "/odom", ["http://localhost:1/"]) == [1, "", 0]
+    # The bridge sends the topic.
+    assert nodes.requestTopic(caller, "/odom", [["TCPROS"]])[0] == 0
+    assert nodes.shutdown(caller, "taken") == [1, "", 0] and nodes.is_taken.is_set()
 
 
 def test_address_is_closed_with_the_registrar(registrar: NodeRegistrar) -> None:

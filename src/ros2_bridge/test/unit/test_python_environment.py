@@ -294,7 +294,9 @@ def test_environment_of_another_python_is_replaced(
     assert not (place / "old").exists()
 
 
-def test_package_of_a_wheel_gets_no_twin(wheels: pathlib.Path, place: pathlib.Path) -> None:
+def test_package_of_a_wheel_gets_no_twin(
+    wheels: pathlib.Path, place: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
     ours = Environment(place)
     ours.make(wheels, {})
     index = place / "share" / "ament_index" / "resource_index" / "rosidl_interfaces"
@@ -303,6 +305,11 @@ def test_package_of_a_wheel_gets_no_twin(wheels: pathlib.Path, place: pathlib.Pa
     sources = place.parent / "src"
     ours.make(wheels, {**package(sources / "std_msgs"), **package(sources / "own_msgs")})
     assert ours.built == ["own_msgs"] and list(ours.names()) == ["own_msgs/x"]
+    users = {**package(sources / "good_msgs", "std_msgs/String s\n")}
+    ours.make(wheels, {**users, **package(sources / "odd_msgs", "std_msgs/Odd odd\n")})
+    assert ours.built == ["good_msgs"]
+    error = "left out odd_msgs/msg/x.msg: it uses std_msgs/Odd, which ROS 2 does not have here"
+    assert f"make_environment: {error}\n" in capsys.readouterr().err
 
 
 def test_packages_of_earlier_runs_are_rebuilt_with_dependencies(
@@ -347,10 +354,16 @@ def test_failing_package_is_reported_once_and_others_built(
 def test_commands_run_without_ros_1(
     monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
-    monkeypatch.setenv("PYTHONPATH", "/somewhere")
-    command = ["sh", "-c", 'test -z "$PYTHONPATH$ROS_DISTRO"']
+    for name in ("PYTHONPATH", "ROS_DISTRO", "CATKIN_TEST", "CMAKE_PREFIX_PATH"):
+        monkeypatch.setenv(name, "/somewhere")
+    place = tmp_path / "ros2"
+    command = (
+        'test -z "$PYTHONPATH$ROS_DISTRO$CATKIN_TEST" &&'
+        f' test "$CMAKE_PREFIX_PATH $AMENT_PREFIX_PATH" = "{place} {place}" &&'
+        f' case "$PATH" in {place}/bin:*) ;; *) exit 1; esac'
+    )
     (tmp_path / "ros2_twins").mkdir()
-    PythonEnvironment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
+    PythonEnvironment(place).run(["sh", "-c", command], 10.0, "it sees ROS 1")
 
 
 def test_dependencies_are_built_first() -> None:

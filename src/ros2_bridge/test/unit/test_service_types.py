@@ -26,6 +26,8 @@ class Servers:
         assert self.answering.wait(20.0)
         if name == "/defect":
             raise ValueError(self)
+        if name == "/typeless":
+            return {}
         if not name.startswith("/good"):
             raise CallError(name)
         return {"type": "std_srvs/Trigger"}
@@ -91,6 +93,9 @@ def test_silent_server_is_reported_from_its_second_query_until_it_answers(
     assert not types.unanswered()
     poll(types, ["/silent", "/good"])
     assert types.unanswered() == {"/silent": "/silent"}
+    for _ in range(2):
+        poll(types, ["/typeless"])
+    assert types.unanswered() == {"/typeless": "its header has no type"}
     poll(types, ["/good"])
     assert not types.unanswered()
 

@@ -81,7 +81,7 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             # By name if it answers within a second.
-            assert second.logged("already connects this master and this domain")
+            assert second.logged("/ros2_bridge already connects this master and this domain")
         with hanging(first.popen.pid), both.Bridge("__name:=another") as second:
             assert second.wait() == 1
             assert second.logged("another bridge on this machine already connects")
@@ -277,7 +277,7 @@ def test_no_registration_after_close(ros: both.Both) -> None:
     assert rospy.get_master().lookupNode("/late")[0] == -1
 
 
-def test_poll_of_the_graphs_updates_each_part() -> None:
+def test_poll_of_the_graphs_updates_each_part(monkeypatch: "pytest.MonkeyPatch") -> None:
     loop: Any = GraphLoop.__new__(GraphLoop)
     parts = ("parameters", "renaming", "graph", "nodes", "rosout", "topics", "services", "actions")
     for part in (*parts, "description", "nodes_in_ros1"):
@@ -298,9 +298,17 @@ def test_poll_of_the_graphs_updates_each_part() -> None:
     graphs = [Ros1Graph({"/rosout": {"/a"}}, {}, {}, {"/free": "/rosout"}, pid) for pid in pids]
     read = iter(graphs)
     loop._read_ros1 = lambda: next(read)
+    # Parts that fail keep no other from being updated.
+    loop._throttle = Throttle(60.0)
+    monkeypatch.setattr(rospy, "logerr", id)
+    for part in (loop._topics.close_denied, loop._topics.update_topics, loop._description.update):
+        part.side_effect = RuntimeError("of one part")
+    loop._services.update_services.side_effect = RuntimeError("of another")
     restarted = []
+    reasons = []
     for _ in stale:
         loop._poll_graphs()
+        reasons.append([reason.partition(":")[0] for reason in loop._skip_log.current()])
         ros1, *_, is_restarted = loop._nodes.update_nodes.call_args[0]
         entries, _, is_registered_again = loop._nodes_in_ros1.register.call_args[0]
         restarted.append((is_restarted, is_registered_again))
@@ -312,9 +320,12 @@ def test_poll_of_the_graphs_updates_each_part() -> None:
     }
     for part in (loop._topics, loop._services, loop._actions):
         part.close_denied.assert_called_with(loop._parameters.values.bridged.return_value)
+    assert loop._actions.update_actions.call_count == len(stale)
     assert loop._trouble == "" and loop._polled_at > 0.0
-    reasons = [reason.partition(":")[0] for reason in loop._skip_log.current()]
-    assert reasons == ["/a of ROS 1", "/free of ROS 1"]  # those of ROS 2 are of the first poll
+    of_ros1 = ["/a of ROS 1", "/free of ROS 1"]
+    twice = "several nodes of ROS 2 are called /twice, or one that was killed is still listed"
+    assert reasons[0] == [*of_ros1, "/lost of ROS 2", twice]
+    assert reasons[-1] == of_ros1  # those of ROS 2 are of the first poll
 
 
 def test_graphs_are_polled_often_at_first_and_goals_followed_in_between(

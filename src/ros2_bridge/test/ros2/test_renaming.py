@@ -28,6 +28,8 @@ def test_namespace_of_ros1_is_the_root_of_ros2(ros: both.Both) -> None:
             answer = ros.call2(SetParameters, "/talker/set_parameters", parameters=request)
             assert answer.results[0].successful, answer
             assert rospy.get_param("/robot1/talker/rate") == 2.5
+            nodes = ros.node.get_node_names_and_namespaces
+            wait_until(lambda: ("talker", "/") in nodes(), lambda: str(nodes()))
             wait_until(
                 lambda: (
                     ("/talker", "rate")

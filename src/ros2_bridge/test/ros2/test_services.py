@@ -348,6 +348,42 @@ def test_calls_without_an_answer_leave_nothing() -> None:
         client._window.enter(0.0)
 
 
+def test_answer_goes_to_its_call_and_one_that_comes_late_to_none() -> None:
+    def header(number: int) -> Any:
+        return SimpleNamespace(request_id=SimpleNamespace(sequence_number=number))
+
+    numbers = iter((1, 2, 3))
+    answers = iter([(header(2), "late"), (header(3), "third"), (header(1), "first"), (None, None)])
+    handle = SimpleNamespace(
+        send_request=lambda _: next(numbers), take_response=lambda _: next(answers)
+    )
+    offered = SimpleNamespace(service_is_ready=lambda: True, handle=handle)
+    participant: Any = SimpleNamespace(create_client=lambda *_: (offered, id))
+    client = Ros2Client(participant, Trigger, "/arm")
+    received: List[Any] = []
+    for name in ("one", "two", "three"):
+        client.send(None, partial(lambda *given: received.append(given), name))
+    client.forget(2)
+    client._receive(9)
+    assert received == [("three", "third"), ("one", "first")] and not client._waiting
+
+
+def test_call_of_a_closed_client_or_a_missing_service_is_an_error() -> None:
+    def fail() -> bool:
+        raise both.InvalidHandle("destroyed")
+
+    offered = SimpleNamespace(service_is_ready=fail)
+    participant: Any = SimpleNamespace(create_client=lambda *_: (offered, id))
+    client = Ros2Client(participant, Trigger, "/arm")
+    assert not client.is_ready()
+    with pytest.raises(NoResponse, match="/arm in ROS 2: the bridge has just closed its client"):
+        client.call(None, 1.0)
+    offered.service_is_ready = lambda: False
+    with pytest.raises(NoResponse, match="/arm is not offered in ROS 2"):
+        client.call(None, 1.0)
+    assert not client.is_ready() and not len(client._window)
+
+
 def test_call_that_waited_for_its_turn_ends_in_time(monkeypatch: "pytest.MonkeyPatch") -> None:
     clock = SimpleNamespace(now=100.0)
     waits: List[float] = []

@@ -548,6 +548,24 @@ def test_subscription_is_replaced_by_one_of_another_quality_and_ends_with_its_pa
     assert calls == [before, "unsubscribed 7", after, "unsubscribed 8", "unpublished"]
 
 
+def test_topic_that_cannot_be_subscribed_to_leaves_no_publisher() -> None:
+    closed: List[str] = []
+
+    def refuse(*_: Any) -> None:
+        raise RCLError("of ROS 2")
+
+    scope = SimpleNamespace(
+        create_publisher=lambda *_, **__: None, close=partial(closed.append, "publisher")
+    )
+    node, participant = SimpleNamespace(create_scope=lambda: scope), cast(Any, SimpleNamespace())
+    participant.create_subscription = refuse
+    kind: Any = SimpleNamespace(cls=None, raw=None)
+    found: Any = SimpleNamespace(offers={True: False}, latched=True)
+    with pytest.raises(RCLError, match="of ROS 2"):
+        TopicToRos1(cast(Any, node), participant, "/map", "/map", kind, QosProfiles(9, None), found)
+    assert closed == ["publisher"]
+
+
 def test_volatile_message_of_a_latched_topic_is_not_latched() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     calls: List[Tuple[str, int]] = []

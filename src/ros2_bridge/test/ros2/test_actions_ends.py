@@ -38,6 +38,7 @@ from ros2_bridge.actions.states import Ros1Status
 from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.client import NoResponse
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.selection import Route, Rules
@@ -256,6 +257,28 @@ def test_answers_to_a_bounded_number_of_goals_are_awaited(
     for text in "abcd":
         server._on_goal(actionlib_messages.write_goal(kind.raw_goal, text, 0, content))
     assert forgotten == [0, 1]
+
+
+def test_goal_that_cannot_be_sent_is_rejected_at_once(ros: both.Both) -> None:
+    def refuse(*_: Any) -> None:
+        raise NoResponse("/hand is not offered in ROS 2")
+
+    kind = ros.types.action("bot_controller_demo_msgs/GoTo")
+    ends: List[Any] = []
+    server: Any = Ros2ServerInRos1.__new__(Ros2ServerInRos1)
+    server.kind, server._send_type = kind, kind.cls.Impl.SendGoalService
+    server._calls, server._lock = collections.deque(), threading.RLock()
+    server._goals = Ros2GoalTracker(
+        lambda: 60.0, lambda goal, _: ends.append((goal.text, goal.status, goal.why)), list
+    )
+    server._send = SimpleNamespace(send=refuse)
+    content = kind.goal.to_ros1(serialize_message(kind.cls.Goal()))
+    for text, data in (("whole", content), ("cut", content[:-1])):
+        server._on_goal(actionlib_messages.write_goal(kind.raw_goal, text, 0, data))
+    whole, (text, status, why) = ends
+    assert whole == ("whole", Ros1Status.REJECTED, "/hand is not offered in ROS 2")
+    assert (text, status) == ("cut", Ros1Status.REJECTED) and "GoToGoal: " in why
+    assert not server._calls
 
 
 def test_goals_of_a_server_without_its_services_are_aborted() -> None:

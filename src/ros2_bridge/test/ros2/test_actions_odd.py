@@ -25,6 +25,7 @@ from bot_controller_demo_msgs.action import GoTo
 from nodekit import Throttle
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import actionlib_messages
+from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT, Goal
@@ -286,6 +287,26 @@ def test_ended_goal_without_result(ros: both.Both, bridge: both.Bridge) -> None:
         bridge.wait_for_log("/odd/foot: no result of")
     ros.executor.remove_node(node)
     node.destroy_node()
+
+
+def test_goal_that_cannot_reach_its_server_is_rejected_with_a_warning(
+    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
+    server: Any = Ros1ServerInRos2.__new__(Ros1ServerInRos2)
+    server._name, server.kind = "/arm", ros.types.action("bot_controller_demo_msgs/GoTo")
+    server._goals = SimpleNamespace(request_goal=pytest.fail)
+    request = GoTo.Impl.SendGoalService.Request()
+    request.goal.target_pose.header.stamp.sec = -1  # which ROS 1 cannot represent
+    sent: List[Any] = []
+    for is_connected in (False, True):
+        server._is_connected = lambda is_connected=is_connected: is_connected
+        server._answer_goal(request, sent.append)
+    assert [response.accepted for response in sent] == [False, False]
+    first, second = lines
+    assert first == "/arm is not connected: a goal from ROS 2 is rejected"
+    assert second.startswith("/arm: a goal from ROS 2 is rejected: ")
 
 
 def test_goal_without_id_and_time_gets_both(ros: both.Both) -> None:

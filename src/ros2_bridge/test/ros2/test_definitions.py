@@ -213,6 +213,25 @@ def test_node_that_did_not_describe_its_type_is_asked_again(
     assert len(SilentClient.made) == 3
 
 
+def test_definition_is_requested_once_its_service_exists() -> None:
+    ready, calls = iter((False, True, True)), []
+    client: Any = SimpleNamespace(
+        is_ready=lambda: next(ready),
+        send=lambda request, _: calls.append(request),
+        close=lambda: calls.append("closed"),
+    )
+    question = peer_definitions._DefinitionRequest(client, "request")
+    assert not calls
+    for count in (0, 1, 1):
+        question.send_once_ready()
+        assert calls == ["request"] * count
+    question._receive(SimpleNamespace(successful=False))
+    assert question.fields is None
+    for _ in range(2):
+        question.close()
+    assert calls == ["request", "closed"]
+
+
 def test_other_names_are_warned_of_once(monkeypatch: "pytest.MonkeyPatch") -> None:
     lines: List[str] = []
     monkeypatch.setattr(rospy, "logwarn", lines.append)

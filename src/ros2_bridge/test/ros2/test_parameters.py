@@ -528,6 +528,42 @@ def test_rejected_values_are_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch
     assert mirror._values == {"gain": 3, "tau": 2} and len(written) == 1
 
 
+@pytest.mark.parametrize(
+    ("plain", "results", "why"),
+    [
+        (2, [SetParametersResult(successful=True, reason="as you like")], ""),
+        (2, [SetParametersResult(reason="must be above 2.")], "must be above 2"),
+        (2, [SetParametersResult()], "no reason given"),
+        (2, [SetParametersResult()] * 2, "the node sent 2 results for one parameter"),
+        (2, None, "/motor/set_parameters in ROS 2: no answer"),
+        ([1, "a"], [], "parameters of ROS 2 cannot have such a value"),
+    ],
+)
+def test_value_that_a_node_of_ros2_does_not_take_has_a_reason(
+    plain: Any, results: Any, why: str
+) -> None:
+    def call(request: Any, _: float) -> Any:
+        ((name, sent),) = [(one.name, Value.from_parameter_msg(one)) for one in request.parameters]
+        assert (name, sent.value) == ("gain", 2)
+        if results is None:
+            raise NoResponse("/motor/set_parameters in ROS 2: no answer")
+        return SimpleNamespace(results=results)
+
+    mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._kinds, mirror._set = {"gain": INTEGER}, SimpleNamespace(call=call)
+    assert mirror._send("gain", plain) == why
+
+
+def test_parameter_that_no_node_describes_may_change_its_type() -> None:
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    known = {"gain": Known(2, INTEGER, None), "rate": Known(2.5, DOUBLE, {"type": "float"})}
+    parameters._parameters = SimpleNamespace(read=lambda: known)
+    request = DescribeParameters.Request(names=["rate", "gain"])
+    rate, gain = parameters._describe(request).descriptors
+    assert (gain.name, gain.type, gain.dynamic_typing) == ("gain", INTEGER, True)
+    assert (rate.name, rate.type, rate.dynamic_typing) == ("rate", DOUBLE, False)
+
+
 def test_whole_numbers_of_the_server_are_sent_as_doubles() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._values = {"gain": 1.0, "gains": [1.0, 2.0], "count": 1, "name": "left"}

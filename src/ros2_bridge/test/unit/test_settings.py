@@ -1,13 +1,15 @@
 """Qualities of service, and the path of the environment."""
 
 import math
+import os
 import pathlib
 import sys
-from typing import Any
+from typing import Any, Dict
 
 import pytest
 
 from nodekit import ParameterError, describe
+from ros2_bridge.environment import start
 from ros2_bridge.environment.start import find, python_path
 from ros2_bridge.rules.selection import Rules
 from ros2_bridge.rules.renaming import Renaming
@@ -118,6 +120,53 @@ def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
     assert find({"ROS2_BRIDGE_ENVIRONMENT": str(tmp_path)}, here) is None
     (workspace / PYTHON).rename(workspace / "lib" / "python3.2")  # of an earlier Debian
     assert find(user, here) == installed
+
+
+@pytest.fixture
+def environ(monkeypatch: "pytest.MonkeyPatch") -> Dict[str, str]:
+    """Return a copy of the variables, which replaces them."""
+    copy = dict(os.environ)
+    monkeypatch.setattr(os, "environ", copy)
+    monkeypatch.setattr(sys, "argv", ["bridge", "_depth:=5"])
+    monkeypatch.setattr(start, "end", sys.exit)
+    return copy
+
+
+def test_start_without_an_environment_names_the_command_that_makes_one(
+    environ: Dict[str, str], tmp_path: pathlib.Path
+) -> None:
+    environ["ROS2_BRIDGE_ENVIRONMENT"] = str(tmp_path)
+    with pytest.raises(SystemExit, match="no environment with ROS 2 found: .*make_environment'"):
+        start.main("nowhere")
+
+
+def test_start_goes_on_in_the_python_of_the_environment(
+    environ: Dict[str, str], monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    (tmp_path / "share" / "ros2_bridge").mkdir(parents=True)
+    (tmp_path / "share" / "ros2_bridge" / "names.yaml").touch()
+    (tmp_path / PYTHON).mkdir(parents=True)
+    environ["ROS2_BRIDGE_ENVIRONMENT"] = str(tmp_path)
+
+    def replace(*given: Any) -> None:
+        raise SystemExit(given)
+
+    monkeypatch.setattr(os, "execv", replace)
+    with pytest.raises(SystemExit) as replaced:
+        start.main("nowhere")
+    python = str(tmp_path / "bin" / "python")
+    assert replaced.value.code == (python, [python, "bridge", "_depth:=5"])
+    assert environ["PYTHONPATH"] == python_path(sys.path)
+    assert environ["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"
+
+    def interrupt(_: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(start.importlib, "import_module", interrupt)
+    with pytest.raises(SystemExit) as ended:
+        start.main("nowhere")
+    assert ended.value.code == 0
 
 
 def test_only_ros1_s_packages_go_along() -> None:

@@ -147,6 +147,50 @@ def test_rule_for_packages_that_are_not_installed_is_refused(registry: Callable[
         registry([LIMB, imu])
 
 
+@pytest.mark.parametrize(
+    ("fields", "rules", "why"),
+    [
+        (
+            {"left": "int16", "wide": "int16"},
+            [],
+            "acme_msgs/Arm differs between ROS 1 and ROS 2: acme_msgs/Arm has field right in ROS 1",
+        ),
+        (
+            {"left": "int16"},
+            [{**ARM, "fields": {"left": "left"}}],
+            "acme_msgs/Arm: its mapping rule does not fit: acme_msgs/Arm: right has no counterpart",
+        ),
+        (
+            {"left": "wstring", "right": "int16"},
+            [ARM],
+            "acme_msgs/Arm: left: ROS 1 has no type wstring",
+        ),
+    ],
+)
+def test_type_that_differs_is_not_bridged_with_the_reason(
+    registry: Callable[..., Any],
+    monkeypatch: "pytest.MonkeyPatch",
+    fields: Dict[str, str],
+    rules: Any,
+    why: str,
+) -> None:
+    other = new_class("acme_msgs", "Arm", fields)
+    monkeypatch.setattr(sys.modules["acme_msgs.msg"], "Arm", other)
+    with pytest.raises((Unbridgeable, MappingRuleError)) as caught:
+        registry(rules).message("acme_msgs/Arm")
+    assert why in str(caught.value)
+
+
+def test_malformed_definition_is_not_bridged_with_the_error(
+    registry: Callable[..., Any], tmp_path: pathlib.Path
+) -> None:
+    (tmp_path / "src" / "acme_msgs" / "msg" / "Arm.msg").write_text("int16\n")
+    with pytest.raises(
+        Unbridgeable, match=r"^type acme_msgs/Arm is not installed in ROS 1 \(.+\)$"
+    ):
+        registry().message("acme_msgs/Arm")
+
+
 def test_missing_type_is_searched_once(registry: Callable[..., Any]) -> None:
     types_, searched = registry([]), []
 

@@ -415,6 +415,17 @@ def test_topic_is_best_effort_if_a_publisher_is(order: int) -> None:
     assert Ros2Graph(participant, Renaming()).topics()["/t150"].offers == {False: True}
 
 
+def test_type_of_a_topic_is_that_of_its_publishers_if_it_has_any() -> None:
+    for policies, kind in (((), ""), ((ReliabilityPolicy.RELIABLE,), "std_msgs/msg/String")):
+        participant: Any = TwoPublishers(*policies)
+        participant.names = ["/t150"]
+        found = participant.get_publishers_info_by_topic("/t150")
+        for one in found:
+            one.topic_type = kind
+        participant.get_publishers_info_by_topic = lambda _, found=found: found
+        assert Ros2Graph(participant, Renaming()).topics()["/t150"].types == {kind}
+
+
 def test_log_line_of_ros1_is_the_same_in_ros2() -> None:
     sent: List[Any] = []
     participant: Any = SimpleNamespace(

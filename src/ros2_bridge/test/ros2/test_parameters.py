@@ -434,6 +434,12 @@ def test_change_is_published_at_once_unless_it_is_refused() -> None:
     parameters._is_kind = lambda: True
     assert "integers of 32 bits" in parameters._change([value("name", 2**40)]).reason
 
+    def fail() -> Any:
+        raise parameter_services.UnreadableParameters("no answer of /arm")
+
+    parameters._is_kind, parameters._parameters.read = (lambda: False), fail
+    assert parameters._change([value("rate", 2)]).reason == "no answer of /arm"
+
 
 def test_second_change_is_awaited_as_long_as_the_first(monkeypatch: "pytest.MonkeyPatch") -> None:
     parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
@@ -509,6 +515,11 @@ def test_latest_server_value_is_sent() -> None:
     while not mirror._work.empty():
         mirror._work.get()()
     assert taken == [{"pid.p": 4}]
+    named: List[Any] = []
+    mirror._is_written, mirror._warn_of_unknown = True, named.append
+    mirror._send_soon({"pid": {"p": 4}, "gian": 1})  # another node may be below /motor/pid
+    mirror._work.get()()
+    assert named == [["gian"]]
 
 
 def test_rejected_values_are_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:

@@ -439,10 +439,12 @@ def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
     assert not participant.sent and not participant.made
 
 
-def test_lost_ros2_messages_are_counted() -> None:
+def test_lost_ros2_messages_are_counted(monkeypatch: "pytest.MonkeyPatch") -> None:
+    lines: List[str] = []
+    monkeypatch.setattr(rospy, "logwarn", lines.append)
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", PairCounters(), 0, {}
-    pair._throttle = Throttle(1.0)
+    pair._throttle = Throttle(60.0)
     pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
     pair._participant = SimpleNamespace(is_own=lambda sender: sender == b"ours")
     codec = Codec("pkg/a", parse("pkg/a", f"Header header{HEADER}"))
@@ -461,6 +463,9 @@ def test_lost_ros2_messages_are_counted() -> None:
     ]
     pair._forward(False, [ReceivedMessage(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
+    lost, refused = lines  # each at most once a second
+    assert lost == "/quick: 2 messages were lost on the way from ROS 2"
+    assert refused.startswith("/quick to ROS 1: ")
     # ROS 1 numbers the messages of a topic.
     assert [struct.unpack_from("<I", one._buff)[0] for one in passed] == [0, 1, 2, 3]
     pair.limit.set_rate(0.01)
@@ -517,6 +522,9 @@ def test_subscription_outlasts_a_restart_of_the_publisher() -> None:
     pair.forget_all_but = set
     pair.follow_publishers(SimpleNamespace(offers={}, senders=set()))
     assert pair._found is before
+    pair.topic, pair._qualities = "/map", QosProfiles(9, None)
+    pair.follow_publishers(SimpleNamespace(offers={True: True}, senders=set()))
+    assert pair._wanted == {True: QosProfile(9, latched=True, best_effort=True)}
 
 
 def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None:

@@ -1,6 +1,7 @@
 # Pure: knows no ROS.
 """Traces: recorded samples of message fields over time, by stamp or by time of reception."""
 
+import contextlib
 import math
 from typing import List, Optional, Protocol, Tuple, Union
 
@@ -251,7 +252,7 @@ class Trace:
     @property
     def is_read(self) -> bool:
         """Whether the messages have the field."""
-        return len(self._decoders) == len(self._paths)
+        return bool(self._decoders)
 
     @property
     def stream(self) -> Stream:
@@ -265,11 +266,12 @@ class Trace:
 
     def read_as(self, layout: MessageLayout) -> None:
         """Read messages of this layout from now on, if it has the field."""
-        if self.states is not None:
-            self._decoders = list(filter(None, [state_decoder_of(layout, self.path, self.states)]))
-        else:
-            self._decoders = list(filter(None, (decoder_of(layout, one) for one in self._paths)))
-        self._longest_step = None
+        self._decoders, self._longest_step = [], None
+        with contextlib.suppress(fields.FieldError):  # the type of the topic has changed
+            if self.states is not None:
+                self._decoders = [StateDecoder(layout, self.path, self.states)]
+            else:
+                self._decoders = [Decoder(layout, one) for one in self._paths]
 
     def add(
         self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
@@ -392,15 +394,5 @@ def decoder_of(layout: MessageLayout, path: fields.Path) -> Optional[Decoder]:
     """Return the decoder of a path; None if the messages do not have it."""
     try:
         return Decoder(layout, path)
-    except fields.FieldError:  # the type of the topic has changed
-        return None
-
-
-def state_decoder_of(
-    layout: MessageLayout, path: fields.Path, table: StateTable
-) -> Optional[StateDecoder]:
-    """Return the decoder of a state; None if the messages do not have it."""
-    try:
-        return StateDecoder(layout, path, table)
     except fields.FieldError:  # the type of the topic has changed
         return None

@@ -39,6 +39,9 @@ def test_zip_has_the_files_of_the_library(tmp_path: pathlib.Path) -> None:
     command("std_srvs", "--arduino", "--into", str(tmp_path / "folder"))
     with zipfile.ZipFile(str(archive)) as opened:
         names = set(opened.namelist())
+    headers = [name for name in names if name.endswith(".h") and "/src/ros_" not in name]
+    told = f"{archive}: a library with {len(headers)} headers; #include <ros_messages.h>\n"
+    assert done.stdout == told
     folder = tmp_path / "folder"
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     assert names == files and "ros_messages/library.properties" in names

@@ -434,6 +434,13 @@ def test_board_gets_messages_while_it_is_probed(rig: Rig, state: str) -> None:
     rig.link._sync.state = state
     rig.link._topics.add(1.0, SUBSCRIBER, topic_info(100, "told"))
     assert rig.link.send_reliable(topic_info(100, "told"), b"") and rig.link.trouble == ""
+    drain(rig.link._outgoing_queue)
+    before = topic_info(100, "of the sketch before")
+    assert not rig.link.send_reliable(before, b"")
+    rig.link.send(before, b"")
+    rig.link.send_latched(before, b"")
+    assert rig.link.all_counters()["no contact"] == 2
+    assert drain(rig.link._outgoing_queue) == []
 
 
 def test_restart_drops_what_was_for_the_board_before(rig: Rig) -> None:

@@ -84,7 +84,8 @@ def test_topic_of_wrong_length_is_rejected(info: TopicInfo, cut: int) -> None:
 def test_payload_of_wrong_length_is_rejected(
     decode: Callable[[bytes], Any], payload: bytes
 ) -> None:
-    for wrong, why in ((payload[:-1], "truncated"), (payload + b"\0", "surplus")):
+    surplus = "surplus bytes after the payload: 1$"
+    for wrong, why in ((payload[:-1], "truncated"), (payload + b"\0", surplus)):
         with pytest.raises(PayloadError, match=why):
             decode(wrong)
 
@@ -184,6 +185,8 @@ def test_the_bytes_are_those_of_the_published_definitions() -> None:
     assert payloads.encode_values(ParameterValues([1], [1.0], ["a"])) == (
         b"\x01\0\0\0\x01\0\0\0\x01\0\0\0\0\0\x80?\x01\0\0\0\x01\0\0\0a"
     )
+    assert payloads.encode_time(1, 2) == b"\x01\0\0\0\x02\0\0\0"
+    assert payloads.encode_name("a") == b"\x01\0\0\0a"
     assert list(payloads.TOPICS) == [0, 1, 2, 3, 4, 5]
 
 

@@ -297,6 +297,27 @@ def test_log_and_topics_of_a_named_board_are_in_its_namespace(
 
 
 @pytest.mark.parametrize(
+    ("kind", "verb"),
+    [
+        (PUBLISHER, "publishes"),
+        (SUBSCRIBER, "subscribes to"),
+        (SERVICE_SERVER, "offers"),
+        (SERVICE_CLIENT, "calls"),
+    ],
+)
+def test_log_tells_what_the_board_does_with_a_topic_or_service(
+    left: Left, kind: int, verb: str, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    caplog.set_level("INFO", "rosout")
+    left.announce(Endpoint(kind, "zero", "std_srvs/Trigger", COUNT, COUNT))
+    left.announce()
+    assert caplog.messages == [
+        f"the board {verb} left/zero (std_srvs/Trigger)",
+        f"the board no longer {verb} left/zero",
+    ]
+
+
+@pytest.mark.parametrize(
     ("name", "resolved"), [("gain", "/left/gain"), ("~gain", "/~gain"), ("/gain", "//gain")]
 )
 def test_parameter_of_a_named_board_is_in_its_namespace_unless_private_or_global(

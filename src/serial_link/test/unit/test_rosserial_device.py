@@ -34,12 +34,15 @@ class Notes:
 
     def __init__(self) -> None:
         self.heard: List[Tuple[str, Any]] = []
+        self.heard_at: List[float] = []
 
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
         self.heard.append((name, payload))
+        self.heard_at.append(now)
 
     def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:
         self.heard.append(("parameter", values))
+        self.heard_at.append(now)
 
     def loop(self, device: Device, now: float) -> None:
         device.publish("out", b"\1")
@@ -96,8 +99,9 @@ def test_messages_go_both_ways_under_their_ids() -> None:
         device.publish(name, name.encode())
     assert sent(device) == [(125, b"out"), (126, b"offered"), (127, b"called")]
     device.receive(
-        1.0, encode(PARAMETER, payloads.encode_values(ParameterValues([1], [1.0], ["a"])))
+        2.0, encode(PARAMETER, payloads.encode_values(ParameterValues([1], [1.0], ["a"])))
     )
+    assert notes.heard_at == [1.0, 1.0, 1.0, 2.0]
     assert notes.heard[-1] == ("parameter", ((1,), (1.0,), ("a",)))
     device.request_parameter("~gain")
     assert sent(device) == [(PARAMETER, payloads.encode_name("~gain"))]

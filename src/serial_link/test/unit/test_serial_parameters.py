@@ -53,6 +53,15 @@ def test_parameters_that_a_running_node_does_not_read_are_marked(
     assert {name for name, each in parameters.declared.items() if each.read_once} == names
 
 
+@pytest.mark.parametrize(("name", "most"), [("time_constant", 1e3), ("max_speed", 1e6)])
+def test_motor_has_a_time_constant_and_a_largest_speed_above_zero(name: str, most: float) -> None:
+    for value in (1e-6, most):
+        assert getattr(BoardParameters(**{name: value}), name) == value
+    for value in (0.0, most + 1.0):
+        with pytest.raises(ValueError, match=f"{name}: refused"):
+            BoardParameters(**{name: value})
+
+
 @pytest.mark.parametrize(
     "parameters, name, least, most, step",
     [

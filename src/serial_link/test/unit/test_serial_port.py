@@ -193,6 +193,9 @@ def test_group_that_may_open_the_port_is_named(monkeypatch: "pytest.MonkeyPatch"
     monkeypatch.setattr(grp, "getgrgid", lambda number: SimpleNamespace(gr_name=names[number]))
     words = SerialPort("/dev/ttyUSB0", 57600)._why(PermissionError(errno.EACCES, "denied"))
     assert "users of the group uucp may open it: sudo usermod -aG uucp $USER" in words
+    monkeypatch.setattr(grp, "getgrgid", mock.Mock(side_effect=KeyError))  # without a name
+    words = SerialPort("/dev/ttyUSB0", 57600)._why(PermissionError(errno.EPERM, "denied"))
+    assert "permission denied: users of the group dialout may open it" in words
 
 
 def test_home_folder_may_be_abbreviated(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -221,6 +224,18 @@ def test_end_of_file_is_a_loss(
     with pytest.raises(PortLost, match="is gone: end of file"):
         port.read(5.0)
     monkeypatch.undo()
+
+
+def test_bytes_that_another_program_takes_first_are_no_loss(
+    plugged: Tuple[PtyTransport, SerialPort], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    end, port = plugged
+    port.open(0.0)
+    end.write(b"x")
+    with monkeypatch.context() as changed:
+        changed.setattr(os, "read", mock.Mock(side_effect=BlockingIOError))
+        assert port.read(5.0) == b""
+    assert port.read(5.0) == b"x"
 
 
 def test_rest_of_a_message_that_the_system_accepts_in_part_follows(

@@ -202,8 +202,9 @@ def test_reset_cuts_a_message_off_and_drops_the_rest() -> None:
 
 def test_sketch_does_not_run_while_it_hangs_or_its_transmit_buffer_is_full() -> None:
     bench = Bench()
+    bench.board._out.put(1.0, bytes(64))
     assert bench.board._is_free()
-    bench.board._out.put(1.0, bytes(65))
+    bench.board._out.put(1.0, bytes(1))
     assert not bench.board._is_free()
     bench.board._out.clear()
     bench.board.faults = Faults(stalls=True)

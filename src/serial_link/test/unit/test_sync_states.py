@@ -7,8 +7,10 @@ from serial_link.host.sync_states import (
     ASK,
     ASKED,
     CLOSED,
+    DAMAGED,
     PROBING,
     DUE,
+    EMPTY,
     EVENTS,
     HEARD,
     SYNCED,
@@ -16,6 +18,7 @@ from serial_link.host.sync_states import (
     MESSAGE,
     NOTICE,
     OPENED,
+    OVERDUE,
     PROBE,
     RESTART,
     SEEKING,
@@ -81,6 +84,25 @@ def test_next_frame_decides_what_a_time_request_answered() -> None:
     assert find_transition(HEARD, TOPIC) == Transition(SYNCED)
     others = (TIME, NOTICE, UNKNOWN, DUE)
     assert {find_transition(HEARD, event) for event in others} == {Transition(ASKED, ASK)}
+
+
+def test_frames_of_a_configured_board_synchronize_it() -> None:
+    for state in (ASKED, SEEKING, HEARD, SILENT, PROBING):
+        assert find_transition(state, TOPIC) == Transition(SYNCED)
+    for state in (SILENT, PROBING):
+        assert find_transition(state, MESSAGE) == Transition(SYNCED)
+    for state in (SYNCED, SILENT, PROBING):
+        assert find_transition(state, UNKNOWN) == Transition(SYNCED, ASK)
+    assert find_transition(ASKED, EMPTY) == Transition(SYNCED)
+
+
+def test_board_that_does_not_answer_is_probed_and_asked_again() -> None:
+    assert find_transition(ASKED, DUE) == Transition(SEEKING, PROBE)
+    assert find_transition(SEEKING, DUE) == Transition(SEEKING, PROBE)
+    for event in (OVERDUE, DAMAGED):
+        assert find_transition(SEEKING, event) == Transition(ASKED, ASK)
+    assert find_transition(SILENT, DUE) == Transition(SILENT, PROBE)
+    assert find_transition(SILENT, OVERDUE) == Transition(ASKED, RESTART)
 
 
 def test_pending_request_is_not_followed_by_another() -> None:

@@ -222,6 +222,7 @@ def test_reader_waits_while_maximum_of_boards_waits(monkeypatch: "pytest.MonkeyP
         boards.append(socket.create_connection(("localhost", number)))
         assert port._board is not None or port.open(TIMEOUT_S)
         port.read(0.0)
+    assert len(server._waiting) == 16
     boards.append(socket.create_connection(("localhost", number)))  # is not accepted yet
     begun = time.monotonic()
     assert port.read(0.2) == b""

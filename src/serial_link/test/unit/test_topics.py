@@ -5,9 +5,10 @@ from typing import Any, Callable, List, Tuple
 import pytest
 from std_msgs.msg import String
 
-from serial_link.endpoints.topics import SubscribedTopic
+from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
+from serial_link.endpoints.types import TypeRefused
 from serial_link.host.counters import TOO_LARGE, Counters
-from serial_link.negotiation.payloads import SUBSCRIBER, TopicInfo
+from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, TopicInfo
 from serial_link.negotiation.topic_table import Endpoint
 
 INFO = TopicInfo(100, "told", String._type, String._md5sum, 280)
@@ -71,6 +72,15 @@ def test_publisher_is_compared_with_the_definition_of_the_board() -> None:
     SubscribedTopic(around, Endpoint(SUBSCRIBER, *INFO[1:3], None, INFO), around, Counters())
     for name in ("_type", "_md5sum", "_full_text", "_has_header"):  # sent to each publisher
         assert getattr(around.raw, name) == getattr(String, name)
+
+
+def test_topic_of_another_definition_is_refused() -> None:
+    around: Any = FakeContext()
+    other = INFO._replace(md5sum="0" * 32)
+    with pytest.raises(TypeRefused, match="std_msgs/String differs on the board"):
+        PublishedTopic(around, Endpoint(PUBLISHER, *INFO[1:3], other, None))
+    with pytest.raises(TypeRefused, match="std_msgs/String differs on the board"):
+        SubscribedTopic(around, Endpoint(SUBSCRIBER, *INFO[1:3], None, other), around, Counters())
 
 
 class Subscription:

@@ -27,6 +27,12 @@ def describe(folder: pathlib.Path, driver: str, vendor: str = "", product: str =
         ("cdc_acm", "16c0", "0483", False),  # Teensy
         ("cdc_acm", "2e8a", "000a", False),  # Pico
         ("cdc_acm", "2341", "0043", True),  # Uno, through an ATmega16U2
+        ("cdc_acm", "2341", "0042", True),  # Mega
+        ("cdc_acm", "2a03", "0043", True),  # Uno of the other Arduino company
+        ("cdc_acm", "2a03", "8036", False),  # and its Leonardo
+        ("cdc_acm", "0483", "374b", True),  # ST-LINK
+        ("cdc_acm", "0483", "5740", False),  # STM32's own USB port
+        ("cdc_acm", "0d28", "0204", True),  # DAPLink
         ("cdc_acm", "1a86", "55d4", True),
         ("ftdi_sio", "0403", "6001", True),
     ],

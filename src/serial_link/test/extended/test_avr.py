@@ -2,6 +2,7 @@
 """Sketches as users write them, compiled, on an ATmega328P in simavr, and the node."""
 
 import os
+import subprocess
 import time
 from typing import Any, Dict, List
 
@@ -17,6 +18,9 @@ from std_srvs.srv import Trigger
 from nodekit.testing.processes import Process, hanging
 from nodekit.testing.waiting import wait_until
 from serial_link.board.avr_board import AvrBoard
+from serial_link.framing.frames import PROBE, encode
+from serial_link.hardware.serial_port import SerialPort
+from serial_link.negotiation.payloads import TIME
 
 MOTOR_SKETCH = (
     PACKAGE.parents[1] / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
@@ -83,6 +87,8 @@ class TestAvr(AvrRig):
             wait_until(lambda: messages[-1].data < 8, lambda: f"{messages[-3:]}", PATIENCE)
             found.clear()
         wait_until(lambda: found, lambda: f"{messages} {found}", PATIENCE)
+        for level, text in (("INFO", "still here"), ("WARN", "warm"), ("ERROR", "hot")):
+            self.nodes[self.space].wait_for_log(f"[{level}]", f"/board: {text}")
 
     def test_parameter_answered_late_is_not_taken_for_the_next_one(self) -> None:
         found = {}
@@ -122,6 +128,23 @@ class TestAvr(AvrRig):
         self.start(avr_sketches.LATE)
         wait_until(lambda: messages and messages[-1].data == 7, lambda: f"{messages}", PATIENCE)
 
+    def test_board_stops_publishing_when_the_node_ends(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        self.start(avr_sketches.LATE)
+        wait_until(lambda: messages, lambda: "it is not heard", PATIENCE)
+        self.nodes[self.space].interrupt()
+        port, answers = SerialPort(self.link, 57600), bytearray()
+        assert port.open(0.0)
+        self.addCleanup(port.release)
+
+        def is_stopped() -> bool:  # only a board that waits for a host answers each probe
+            port.write(PROBE)
+            answers.extend(port.read(0.1))
+            return 3 * encode(TIME, bytes(8)) in answers
+
+        # By itself it would notice after 11 s.
+        wait_until(is_stopped, lambda: f"{bytes(answers[-40:])!r}", 8.0)
+
     def test_25_topics_each_way_work_before_and_after_a_reset(self) -> None:
         messages = {
             number: self.collect(f"{self.space}/to/p{number}", UInt32) for number in range(25)
@@ -152,16 +175,20 @@ class TestAvr(AvrRig):
 
     def test_texts_up_to_the_buffer_size_arrive_and_longer_ones_are_logged(self) -> None:
         messages = self.collect(f"{self.space}/heard", UInt16)
+        echoes = self.collect(f"{self.space}/echo", String)
         publisher = rospy.Publisher(f"{self.space}/text", String, queue_size=10)
         self.start(avr_sketches.LENGTHS, 250000)
-        for length in (276, 277, 5):  # of 280 bytes, four are the length
+        for length in (276, 277, 268, 5):  # of 280 bytes, four are the length
 
             def is_answered(wanted: int = length) -> bool:
                 publisher.publish("x" * wanted)
                 return any(message.data == wanted for message in messages) or wanted == 277
 
             wait_until(is_answered, lambda: f"{messages}", PATIENCE)
-        assert {message.data for message in messages} == {276, 5}
+        assert {message.data for message in messages} == {276, 268, 5}
+        wait_until(
+            lambda: {len(message.data) for message in echoes} == {268, 5}, lambda: f"{echoes[-1:]}"
+        )
         self.nodes[self.space].wait_for_log("281 bytes is not sent: the board's buffer has 280")
 
     def test_noise_either_way_delivers_no_wrong_value_and_the_board_is_back(self) -> None:
@@ -275,8 +302,17 @@ class TestAvr(AvrRig):
         assert not os.path.islink(self.link)
 
     def test_sketch_of_the_tutorial_fits_into_an_uno(self) -> None:
-        size = self.builder.size(self.builder.sketch(MOTOR_SKETCH, self.libraries))
+        program = self.builder.sketch(MOTOR_SKETCH, self.libraries)
+        size = self.builder.size(program)
         assert 4000 < size.flash < 32256 and 1000 < size.ram < 2048, size
+        for words, status, text in (
+            ([program], 2, "usage: avr_board SKETCH.elf LINK"),
+            ([program, "/nowhere/board"], 1, "avr_board: link: No such file or directory"),
+        ):
+            done = subprocess.run(
+                [str(self.simulator), *map(str, words)], stderr=subprocess.PIPE, timeout=PATIENCE
+            )
+            assert (done.returncode, done.stderr.decode()) == (status, text + "\n")
 
 
 if __name__ == "__main__":

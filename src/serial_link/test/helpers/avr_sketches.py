@@ -27,7 +27,10 @@ LOGS = """
 void loop() {
   if (host.getParam("gain", &parameter.data)) found.publish(&parameter);
   heard.publish(&count);
+  host.logdebug("detail");
   host.loginfo("still here");
+  host.logwarn("warm");
+  host.logerror("hot");
   host.spinOnce();
   delay(100);
 }
@@ -165,7 +168,8 @@ void loop() {
   delay(50);
 }
 """
-#: The most topics that the library has room for. The first one has a bit for each received number.
+#: The most topics that the library has room for; it refuses others. The first one has a bit for
+#: each received number.
 MANY = """
 #include <ros.h>
 #include <std_msgs/UInt32.h>
@@ -173,13 +177,14 @@ MANY = """
 ros::NodeHandle host;
 std_msgs::UInt32 value, received;
 void on_value(const std_msgs::UInt32 &message) { received.data |= 1UL << message.data; }
-ros::Publisher publishers[] = {%s};
-ros::Subscriber<std_msgs::UInt32> subscribers[] = {%s};
+ros::Publisher publishers[] = {%s}, surplus("surplus", &value);
+ros::Subscriber<std_msgs::UInt32> subscribers[] = {%s}, too_many("too_many", on_value);
 
 void setup() {
   host.initNode();
   for (ros::Publisher &publisher : publishers) host.advertise(publisher);
   for (ros::Subscriber<std_msgs::UInt32> &subscriber : subscribers) host.subscribe(subscriber);
+  if (host.advertise(surplus) || host.subscribe(too_many)) received.data = 1UL << 31;
 }
 
 void loop() {
@@ -191,7 +196,7 @@ void loop() {
     ", ".join(f'{{"to/p{number}", &value}}' for number in range(25)),
     ", ".join(f'{{"from/p{number}", on_value}}' for number in range(25)),
 )
-#: Returns the length of each text.
+#: Returns the length of each text, and the text if its frame fits into the buffer.
 LENGTHS = """
 #include <ros.h>
 #include <std_msgs/String.h>
@@ -199,10 +204,12 @@ LENGTHS = """
 
 ros::NodeHandle host;
 std_msgs::UInt16 length;
-ros::Publisher heard("heard", &length);
+std_msgs::String same;
+ros::Publisher heard("heard", &length), echo("echo", &same);
 void on_text(const std_msgs::String &message) {
   length.data = strlen(message.data);
   heard.publish(&length);
+  if (length.data <= 268) echo.publish(&message);
 }
 ros::Subscriber<std_msgs::String> text("text", on_text);
 
@@ -210,6 +217,7 @@ void setup() {
   host.getHardware()->setBaud(250000);
   host.initNode();
   host.advertise(heard);
+  host.advertise(echo);
   host.subscribe(text);
 }
 

@@ -357,6 +357,13 @@ def test_topics_of_a_damaged_round_are_incomplete_and_the_board_not_yet_synced(r
     assert drain(rig.link.inbox) == [Topics([], False), Synced()]
 
 
+def test_round_without_an_answer_makes_no_board_synced(rig: Rig) -> None:
+    rig.link._sync.state = SEEKING
+    rig.link._topics.begin_round(1.0)
+    rig.link._end_round(9.0)
+    assert rig.link._topics.is_settled and drain(rig.link.inbox) == []
+
+
 def test_surplus_topic_is_logged(
     rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
 ) -> None:
@@ -474,11 +481,14 @@ def test_old_protocol_is_tried_only_with_a_board_that_does_not_answer(rig: Rig) 
 
 
 def test_silence_is_explained_only_for_a_board_that_is_not_synced(
-    rig: Rig, caplog: "pytest.LogCaptureFixture"
+    rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
 ) -> None:
+    monkeypatch.setattr(rig.link._port, "read", lambda timeout: b"")
+    monkeypatch.setattr(board_link, "time", SimpleNamespace(monotonic=lambda: 100.0))
+    rig.link._is_open = True
     for state, count in ((SYNCED, 0), (SEEKING, 1)):
         rig.link._sync.state = state
-        rig.link._explain_silence(100.0)
+        rig.link._read()
         assert caplog.text.count("the board sends nothing") == count
     assert f"at {BAUD} baud" in caplog.text
     assert rig.link.trouble.startswith("the board sends nothing")  # for /diagnostics

@@ -118,6 +118,7 @@ def test_only_a_board_that_waits_answers_a_probe() -> None:
 
 
 def test_time_is_asked_for_and_without_an_answer_the_host_is_forgotten() -> None:
+    assert (TIME_EVERY_S, HOST_LOST_S) == (2.5, 11.0)  # as in rosserial's node_handle.h
     device, _ = configured()
     device.loop(TIME_EVERY_S)
     assert [frame.topic_id for frame in sent(device)] == [TIME, 125]

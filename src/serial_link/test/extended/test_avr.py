@@ -290,12 +290,14 @@ class TestAvr(AvrRig):
         self.addCleanup(board.end)
         self.start_node(115200)
         self.wait_for_connections(publisher)
-        for share in (0.5, -0.5):
+        half = 13.1 * 128 / 255
+        for share, speed in ((0.5, half), (1.0, 13.0), (-0.5, -half), (-1.0, -13.0)):
 
-            def turns(wanted: float = 13.1 * share) -> bool:
-                publisher.publish(motor_input(input=share))
-                speeds = sorted(output.output for output in outputs[-50:])
-                return len(speeds) == 50 and abs(speeds[25] - wanted) < 0.7
+            def turns(wanted: float = speed, given: float = share) -> bool:
+                publisher.publish(motor_input(input=given))
+                speeds = [output.output for output in outputs[-50:]]
+                means = sum(speeds[:25]) / 25, sum(speeds[25:]) / 25  # not in passing
+                return len(speeds) == 50 and all(abs(one - wanted) < 0.06 for one in means)
 
             wait_until(turns, lambda: f"{outputs[-1:]}", PATIENCE)
         board.interrupt()

@@ -215,11 +215,13 @@ def declared_time(test: pathlib.Path) -> float:
     return sum(float(node.get("time-limit", "60")) for node in nodes)
 
 
-def ros2(times: Times) -> List[Step]:
+def ros2(names: Optional[Set[str]], times: Times) -> List[Step]:
     """Return the steps that create an environment with ROS 2, and test the bridge in it.
 
-    Tests of ROS 2 recordings need PyPI, but not this environment.
+    Tests of ROS 2 recordings need PyPI, but not this environment. Tests marked ``extended`` belong
+    to the whole tier.
 
+    :param names: selected packages; None for the whole tier
     :param times: times of earlier runs
     """
     steps = [ENVIRONMENT]
@@ -228,6 +230,8 @@ def ros2(times: Times) -> List[Step]:
     for number, lane in enumerate(lanes, 1):
         name = f"clients {number}/{len(lanes)}"
         steps.append(ros2_step(*lane, name=name, after=ENVIRONMENT.name))
+        if names is not None:
+            steps[-1].command.extend(["-m", f"not {EXTENDED}"])
     places = sorted(SOURCES.glob("*/test/recordings"))
     return [*steps, pytest_step("ros2", "recordings", *places)]
 
@@ -304,6 +308,6 @@ def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = ""
         "catkin_build": catkin_build,
         "integration": lambda: rostest_steps(tier, names, times),
         "extended": lambda: extended(names, times),
-        "ros2": lambda: ros2(times),
+        "ros2": lambda: ros2(names, times),
     }
     return makers[tier]()

@@ -46,8 +46,12 @@ def test_tests_with_ros2_are_divided_by_their_durations(
         times.add(f"one/test/ros2/test_{name}.py", seconds, 0.0)
     for name in "SOURCES", "WORKSPACE":
         monkeypatch.setattr(tier_plan, name, tmp_path)
-    environment, *steps, recordings = tier_plan.ros2(times)
+    environment, *steps, recordings = tier_plan.ros2(None, times)
     assert [step.name for step in steps] == [f"clients {number}/4" for number in range(1, 5)]
     files = [[one[-4] for one in step.command if one.endswith(".py")] for step in steps]
     assert sorted(map(sorted, files)) == [["a"], ["b"], ["c"], ["d", "e"]]
     assert {step.after for step in steps} == {environment.name} and not recordings.after
+    of_package = tier_plan.ros2({"one"}, times)[1:-1]
+    assert [step.command for step in of_package] == [
+        [*step.command, "-m", "not extended"] for step in steps
+    ]

@@ -12,7 +12,9 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.actions.ros2_goal_tracker import GONE
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.extended)]
+)
 def test_goals_of_a_server_that_goes_are_aborted(bridge: both.Bridge, number: int) -> None:
     # A unique name: the bridge may still list the server of the previous test.
     action = f"/foot/kick{number}"
@@ -29,6 +31,7 @@ def test_servers_of_nodes_with_same_name_are_logged(bridge: both.Bridge) -> None
         bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
 
 
+@pytest.mark.extended
 def test_servers_in_both_roses_are_logged(bridge: both.Bridge) -> None:
     with Server1("/arm/twice"), Server2("/arm/twice"):
         bridge.wait_for_log("not bridged: /arm/twice: both ROSes list a server", "rosnode cleanup")

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import Any, Dict, Iterator, List, cast
 
 import both
+import pytest
 import rosbag
 import rosgraph
 import rospy
@@ -144,6 +145,7 @@ def test_service_whose_server_does_not_answer_is_named(ros: both.Both, bridge: b
         master.unregisterService("/gone/reset", uri)
 
 
+@pytest.mark.extended
 def test_service_may_move_from_ros2_to_ros1_and_back(ros: both.Both, bridge: both.Bridge) -> None:
     raw = ros.types.service(TRIGGER).raw
 

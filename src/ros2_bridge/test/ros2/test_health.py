@@ -12,6 +12,7 @@ from types import SimpleNamespace
 from typing import Any, Dict, Iterator, List
 
 import both
+import pytest
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
@@ -115,6 +116,7 @@ def test_passed_messages_are_reported_with_their_rate(ros: both.Both, bridge: bo
     recorder.end()
 
 
+@pytest.mark.extended
 def test_refused_message_is_a_warning_and_an_exit_status_of_the_report(
     ros: both.Both, bridge: both.Bridge
 ) -> None:

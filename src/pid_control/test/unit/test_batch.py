@@ -5,9 +5,11 @@ import pathlib
 import sys
 import time
 from typing import Any, List, Tuple
+from unittest import mock
 
 import pytest
 
+from nodekit.testing.waiting import wait_until
 from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.programs import batch
 from pid_control.programs.batch import run_bounded
@@ -228,24 +230,29 @@ def test_batch_without_a_package_names_each_entry(
     assert not (tmp_path / "out").exists()
 
 
-def test_run_bounded_interrupted_ends_the_command(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_run_bounded_interrupted_lets_the_command_end_its_own_processes(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
     started: List[Any] = []
+    ready, ended = tmp_path / "ready", tmp_path / "ended"
 
     def communicate(process: Any, timeout: float = 0.0) -> None:
         started.append(process)
+        wait_until(ready.exists, lambda: "the command has not started")
         raise KeyboardInterrupt
 
     monkeypatch.setattr(batch.subprocess.Popen, "communicate", communicate)
+    script = f"trap '>{ended}; exit' INT; >{ready}; while :; do sleep 0.05; done"
     with pytest.raises(KeyboardInterrupt):
-        run_bounded(["sleep", "60"], 50.0, dict(os.environ))
-    assert started[0].poll() is not None
+        run_bounded(["sh", "-c", script], 50.0, dict(os.environ))
+    assert started[0].poll() is not None and ended.exists()
 
 
 def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(batch, "_BEYOND_S", 0.2)
     began = time.monotonic()
-    command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]
-    assert run_bounded(command, 0.5, dict(os.environ))[0] == "begun\n"
+    script = "trap 'echo asked' INT; echo begun >&2; sleep 60 & while :; do sleep 0.05; done"
+    assert run_bounded(["sh", "-c", script], 0.5, dict(os.environ))[0] == "begun\nasked\n"
     assert time.monotonic() - began < 20.0
 
 
@@ -393,3 +400,19 @@ def test_batch_escapes_names_that_a_spreadsheet_would_calculate(
     assert lines[1].split(",")[:2] == ["'@Anna", "'=1+1"]
     page = (output / "class.html").read_text()
     assert "<td>@Anna</td><td>=1+1</td>" in page and 'href="_1_1.html"' in page
+
+
+def test_batch_that_is_interrupted_keeps_the_rows_so_far(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    for name in ("anna", "ben"):
+        (tmp_path / "class" / name).mkdir(parents=True)
+        (tmp_path / "class" / name / "package.xml").write_text("")
+        (tmp_path / "class" / name / "controller.py").write_text("")
+    monkeypatch.setattr(batch, "run_bounded", mock.Mock(side_effect=[("", 1), KeyboardInterrupt]))
+    output = tmp_path / "out"
+    with pytest.raises(KeyboardInterrupt):
+        batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run()
+    lines = (output / "class.csv").read_text().splitlines()
+    assert [line.partition(",")[0] for line in lines] == ["controller", "anna"]
+    assert "anna.html" in (output / "class.html").read_text()

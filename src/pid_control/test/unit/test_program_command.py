@@ -88,6 +88,16 @@ def test_interrupt_lets_a_program_end_by_itself() -> None:
         controller.end()
 
 
+def test_end_of_a_program_ends_its_processes_in_other_sessions() -> None:
+    script = "setsid sleep 60 & echo $!; wait"
+    controller = ProgramProcess(ProgramCommand("x", ["sh", "-c", script], {}, {}, {}), {})
+    try:
+        wait_until(lambda: len(controller.watch.pids()) == 2, controller.last_words)
+    finally:
+        controller.end()
+    assert not os.path.exists(f"/proc/{controller.last_words()}")
+
+
 def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.Path) -> None:
     launch = tmp_path / "loop.launch"
     launch.write_text(

@@ -84,6 +84,11 @@ def test_last_words_of_built_package_name_its_source(
     program.write_text(RELAY.format(path=str(scripts / "controller.py")))
     words = last_words(str(program), "{}", PYTHONPATH=str(scripts))
     assert words == "KeyError: 'kp' (gains.py, line 3)"
+    # A module in another folder of the package is the student's too.
+    (package / "src" / "anna").mkdir(parents=True)
+    (scripts / "gains.py").rename(package / "src" / "anna" / "gains.py")
+    words = last_words(str(program), "{}", PYTHONPATH=str(package / "src" / "anna"))
+    assert words == "KeyError: 'kp' (gains.py, line 3)"
 
 
 def test_last_words_of_program_without_package_name_its_folder_only(

@@ -1,5 +1,6 @@
 """Tests of the submissions in the folder of a class: folders, workspaces, archives, roster."""
 
+import gzip
 import io
 import os
 import pathlib
@@ -65,7 +66,7 @@ def test_each_entry_of_a_class_has_a_submission(tmp_path: pathlib.Path) -> None:
     fill(class_ / "ben" / "catkin_ws" / "src" / "repository" / "pid", PACKAGE)
     fill(class_ / "ben" / "catkin_ws" / "src" / "repository" / "msgs", {"package.xml": ""})
     fill(class_ / "ben" / "catkin_ws" / "devel" / "share" / "pid", PACKAGE)
-    make_zip(class_ / "cleo.zip", {f"cleo-main/{name}": text for name, text in PACKAGE.items()})
+    make_zip(class_ / "cleo.ZIP", {f"cleo-main/{name}": text for name, text in PACKAGE.items()})
     make_tar(class_ / "dora.tar.gz", PACKAGE)
     (class_ / "emil_123_assignsubmission").mkdir()
     make_zip(class_ / "emil_123_assignsubmission" / "work.zip", PACKAGE)
@@ -76,7 +77,7 @@ def test_each_entry_of_a_class_has_a_submission(tmp_path: pathlib.Path) -> None:
     assert {name for name, why in lines.items() if not why} == {
         "anna",
         "ben/catkin_ws/src/repository/pid",
-        "cleo.zip/cleo-main",
+        "cleo.ZIP/cleo-main",
         "dora.tar.gz",
         "emil_123_assignsubmission/work.zip",
         "emil_123_assignsubmission/x.zip/x",
@@ -185,9 +186,18 @@ def test_unpack_keeps_programs_executable(tmp_path: pathlib.Path) -> None:
             member = tarfile.TarInfo(name)
             member.mode = mode
             packed.addfile(member, io.BytesIO())
-    unpack(str(tmp_path / "x.tar"), str(tmp_path / "target"))
-    modes = {path.name: path.stat().st_mode & 0o777 for path in (tmp_path / "target").iterdir()}
-    assert modes == {"program": 0o711, "file": 0o600}
+    with zipfile.ZipFile(str(tmp_path / "x.zip"), "w") as zipped:
+        for name, mode in (("program", 0o100755), ("file", 0o100644)):
+            info = zipfile.ZipInfo(name)
+            info.external_attr = mode << 16
+            zipped.writestr(info, "")
+    # As of "tar c | gzip", whose header has no name.
+    (tmp_path / "x.tar.gz").write_bytes(gzip.compress((tmp_path / "x.tar").read_bytes()))
+    for archive in ("x.tar", "x.tar.gz", "x.zip"):
+        target = tmp_path / f"unpacked {archive}"
+        unpack(str(tmp_path / archive), str(target))
+        modes = {path.name: path.stat().st_mode & 0o777 for path in target.iterdir()}
+        assert modes == {"program": 0o711, "file": 0o600}
 
 
 @pytest.mark.parametrize("ending", ["zip", "tar.xz"])

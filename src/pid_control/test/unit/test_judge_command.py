@@ -10,7 +10,7 @@ import pytest
 
 from pid_control.commands import identify, judge, judge_signals, judging_command, tune
 from pid_control.judging.record import Record
-from pid_control.judging.scenarios import BY_NAME
+from pid_control.judging.scenarios import BY_NAME, MOTOR
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.verdicts.judgement import Cause, Failure, Judgement
 
@@ -118,11 +118,14 @@ def test_judge_picture_marks_the_failed_scenario_and_own_limits_replace_some(
     monkeypatch.setattr(judge, "_judge", judged)
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     files = ["--picture", str(tmp_path / "a.svg"), "--limits", str(tmp_path / "own.yaml")]
+    files += ["--csv", str(tmp_path / "a.csv"), f"--gtest_output=xml:{tmp_path}/a.xml"]
     monkeypatch.setattr(sys, "argv", ["judge", *files, "x", "a:=b"])
     with pytest.raises(SystemExit) as end:
         judge.main()
     assert end.value.code == 1 and sys.argv == ["judge"]
     assert 'fill="#b00020">ramp: a ramp' in (tmp_path / "a.svg").read_text()
+    assert "x a:=b,failed,gains," in (tmp_path / "a.csv").read_text()
+    assert 'name="x a:=b"' in (tmp_path / "a.xml").read_text()
     limits = judged.call_args[0][1]
     assert limits["ramp"]["tracking_error"] == 5.0 and limits["steps"]["overshoot"] == 25.0
 
@@ -165,6 +168,34 @@ def test_judge_prints_the_notes_of_a_judgement_that_fails(
     assert end.value.code == 125
     assert lines[1:] == ["note: its types are used", "not judged: no master"]
     exit_on_signals.assert_called_once_with()
+
+
+@pytest.mark.parametrize(
+    "words, call",
+    [
+        ([], mock.call.judge_with_own_plant(False)),
+        (["--real-time"], mock.call.judge_with_own_plant(True)),
+        (["--real-plant"], mock.call.judge_with_real_plant(MOTOR.max_output)),
+        (["--real-plant", "--full-speed", "9"], mock.call.judge_with_real_plant(9.0)),
+    ],
+)
+def test_judge_uses_the_chosen_plant_and_its_options(
+    words: List[str], call: Any, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    session = mock.Mock()
+    session.return_value.notes, passed = [], Judgement("passed", [], [])
+    session.return_value.judge_with_own_plant.return_value = passed
+    session.return_value.judge_with_real_plant.return_value = passed
+    monkeypatch.setattr("pid_control.runner.session.Session", session)
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    options = ["--only", "ramp", "--time-limit", "9", "--set-point", "std_msgs/Float32/data"]
+    monkeypatch.setattr(sys, "argv", ["judge", *options, *words, GOOD])
+    with pytest.raises(SystemExit) as end:
+        judge.main()
+    assert end.value.code == 0 and session.return_value.method_calls == [call]
+    command, only, limits, time_limit, types = session.call_args[0]
+    assert (command.name, only, time_limit) == (GOOD, [BY_NAME["ramp"]], 9.0)
+    assert types == {"set_point": "std_msgs/Float32/data"} and limits["steps"]["overshoot"] == 25.0
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def test_private_master_leaves_nothing_and_hides_the_user_environment(
     process = mock.Mock(uri="http://localhost:2")
     monkeypatch.setattr(private_master, "MasterProcess", lambda **_: process)
     master = mock.Mock()
-    master.return_value.getPid.side_effect = [OSError] if fails else [7]
+    master.return_value.getPid.side_effect = [OSError] if fails else [7, 7, OSError]
     monkeypatch.setattr("rosgraph.Master", master)
     if fails:
         with pytest.raises(OSError):
@@ -33,6 +33,7 @@ def test_private_master_leaves_nothing_and_hides_the_user_environment(
         assert private.pid == 7 and os.environ["ROS_MASTER_URI"] == process.uri
         assert not {"ROS_IP", "ROS_NAMESPACE"} & set(os.environ)
         assert private.environment.items() <= os.environ.items()
+        assert private.is_running() and not private.is_running()  # it has ended
         private.close()
     process.kill.assert_called_once_with()
     assert not os.path.exists(folders[0])

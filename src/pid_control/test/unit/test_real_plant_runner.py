@@ -7,12 +7,14 @@ from unittest import mock
 
 import pytest
 
+from nodekit.master import MasterUnreachable
 from pid_control.judging.plant_log import PlantLog
-from pid_control.judging.record import ENDED, Record
+from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import BY_NAME, MOTOR
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import real_plant, real_plant_runner
+from pid_control.runner.judging_errors import TimeLimitExceeded
 from pid_control.runner.real_plant import PlantError, RealPlant
 from pid_control.runner.real_plant_runner import RealPlantRunner
 from pid_control.runner.session import Session
@@ -68,9 +70,13 @@ def test_real_plant_that_says_nothing_is_not_at_rest(monkeypatch: "pytest.Monkey
     monkeypatch.setattr("time.monotonic", lambda: now[0])
     monkeypatch.setattr("time.sleep", lambda _: now.append(now.pop() + 0.5))
     monkeypatch.setattr(real_plant, "_check_graph", mock.Mock())
-    monkeypatch.setattr(real_plant, "init_node", mock.MagicMock())
+    init_node = mock.MagicMock()
+    monkeypatch.setattr(real_plant, "init_node", init_node)
+    plant = RealPlant()
     with pytest.raises(PlantError, match="the plant is silent"):
-        RealPlant().wait_until_it_stands()
+        plant.wait_until_it_stands()
+    # A shutdown, as by rosnode kill, ends the controller and stops the plant.
+    init_node.return_value.on_shutdown.assert_called_once_with(plant._shut_down)
 
 
 @pytest.mark.parametrize(
@@ -99,6 +105,82 @@ def test_graph_of_a_real_plant_has_a_motor_and_nothing_else(
     monkeypatch.setattr(real_plant, "MasterClient", master)
     with pytest.raises(PlantError, match=says) if says else contextlib.nullcontext():
         real_plant._check_graph()
+    # The same in the namespace of this process.
+    monkeypatch.setattr("rospy.resolve_name", lambda name: f"/lab/{name}")
+    state = known.system_state.return_value
+    state.publishers = [(f"/lab{topic}", nodes) for topic, nodes in publishers]
+    state.subscribers = [("/lab/motor_input", ["/m"])]
+    says = says.replace("/motor_output", "/lab/motor_output")
+    with pytest.raises(PlantError, match=says) if says else contextlib.nullcontext():
+        real_plant._check_graph()
+
+
+@pytest.mark.parametrize(
+    "types, subscribers, says",
+    [
+        ({"/motor_input": "*", "/other": "x/Y"}, [("/motor_input", ["/m"])], ""),
+        (
+            {"/set_point": "std_msgs/Float32"},
+            [("/motor_input", ["/m"])],
+            "/set_point has std_msgs/Float32, not pid_control/set_point",
+        ),
+        ({}, [("/set_point", ["/m"])], "no plant found: /motor_input has no subscriber"),
+    ],
+)
+def test_graph_of_a_real_plant_has_a_motor_with_the_types_of_the_course(
+    types: Any, subscribers: List[Any], says: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    master = mock.MagicMock()
+    known = master.return_value.__enter__.return_value
+    known.topic_types.return_value = types
+    known.system_state.return_value = mock.Mock(
+        publishers=[("/motor_output", ["/m"])], subscribers=subscribers
+    )
+    monkeypatch.setattr(real_plant, "MasterClient", master)
+    with pytest.raises(PlantError, match=says) if says else contextlib.nullcontext():
+        real_plant._check_graph()
+    master.side_effect = MasterUnreachable("it does not answer")
+    with pytest.raises(PlantError, match="a real plant needs your own master: it does not answer"):
+        real_plant._check_graph()
+
+
+def test_real_plant_counts_connections_and_stops_before_its_node_ends(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    calls: List[str] = []
+    plant: Any = RealPlant.__new__(RealPlant)
+    plant._set_points, plant._answers = mock.Mock(), mock.Mock()
+    plant._set_points.get_num_connections.return_value = 2
+    plant._answers.get_num_connections.return_value = 3
+    assert plant.connections() == {"set_point": 2, "motor_input": 3}
+    plant.stop = lambda: calls.append("0")
+    monkeypatch.setattr("rospy.signal_shutdown", lambda _: calls.append("end"))
+    plant.close()
+    assert calls == ["0", "end"]
+
+
+@pytest.mark.parametrize("status, failure", [(None, NOT_CONNECTED), (1, ENDED)])
+def test_controller_that_does_not_connect_beside_a_real_plant_ends(
+    status: Optional[int], failure: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    plant, process = mock.Mock(), mock.Mock(status=status)
+    process.last_words.return_value = "waiting"
+    plant.connections.side_effect = [
+        {"set_point": 1, "motor_input": 1},
+        *[{"set_point": 2, "motor_input": 1}] * 9,
+    ]
+    monkeypatch.setattr(real_plant_runner, "ProgramProcess", lambda *_: process)
+    monkeypatch.setattr(real_plant_runner, "_CONNECT_S", 0.0)
+    command = ProgramCommand("x", ["x"], {}, {}, {})
+    runner = RealPlantRunner(plant, command, MOTOR.max_output, float("inf"))
+    record = runner.run(BY_NAME["steps"])
+    assert record[1:4] == (failure, "waiting", ["motor_input"])
+    process.end.assert_called_once_with()
+    assert plant.stop.called and not plant.check_alone.called
+    late = RealPlantRunner(plant, command, MOTOR.max_output, 0.0)
+    with pytest.raises(TimeLimitExceeded):
+        late.run(BY_NAME["steps"])
+    assert process.end.call_count == 2
 
 
 @pytest.mark.parametrize("topic", ["/y", "/r"])

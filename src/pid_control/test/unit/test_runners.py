@@ -123,6 +123,45 @@ def test_controller_that_does_not_connect_has_ended_or_other_topics(
     assert not rig.bench.follow.called
 
 
+def test_controller_with_other_types_is_run_again_with_them(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    rig = BenchRig(monkeypatch)
+    connects = iter([False, True])
+    monkeypatch.setattr(BenchRunner, "_connect", lambda *_: next(connects))
+    rig.bench.messages = course_messages()
+    types = {"/set_point": "std_msgs/Float32", "/u": "x/Y", "/motor_input": "no_such/Type"}
+    rig.bench.types_of_controller.return_value = types
+    assert rig.run().failure != NOT_CONNECTED
+    [(messages,)] = [call[0] for call in rig.bench.follow.call_args_list]
+    assert messages["set_point"] == loop_message("set_point", Float32)
+    assert {**messages, "set_point": None} == {**course_messages(), "set_point": None}
+    [note] = rig.runner.notes
+    assert note.startswith("set_point is std_msgs/Float32 with (float32 data), in the course")
+
+
+@pytest.mark.parametrize(
+    "types, silent, says",
+    [
+        ({"/clock": "C", "/rosout": "L"}, [], ""),
+        ({"/clock": "C", "/rosout": "L"}, ["/a", "/b"], "its types are unknown: /a, /b does not"),
+        ({"/u": "F", "/clock": "C", "/a": "F"}, ["/b"], "it has the topics /a, /u"),
+        ({"/set_point": "F"}, [], "its set_point is F, not pid_control/set_point"),
+        ({"/set_point": "pid_control/set_point"}, [], "its set_point has another definition of"),
+        ({"/motor_output": "F"}, [], ""),
+    ],
+)
+def test_hint_of_the_test_bench_names_types_and_topics_of_the_controller(
+    types: Dict[str, str], silent: List[str], says: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
+    bench.messages = course_messages()
+    monkeypatch.setattr(bench, "_types", lambda: (types, silent))
+    monkeypatch.setattr(bench, "missing", lambda: ["set_point", "motor_input"])
+    hint = bench.hint()
+    assert hint.startswith(says) and bool(hint) is bool(says)
+
+
 def test_controller_without_a_motor_has_the_time_that_it_needed_with_one(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
@@ -140,6 +179,10 @@ def test_controller_without_a_motor_has_the_time_that_it_needed_with_one(
     monkeypatch.setattr(bench_runner, "_FIRST_ANSWER_S", 0.02)
     rig.bench.pop_inputs.side_effect = itertools.repeat([])
     assert connect(rig.runner, Experiment(BY_NAME["steps"], 0.0), rig.process)
+    rig.runner._deadline = 0.0
+    for late in (lambda: connect(rig.runner, mock.Mock(), rig.process), rig.run):
+        with pytest.raises(TimeLimitExceeded):
+            late()
 
 
 def test_silent_controller_fails_with_its_last_words(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -236,6 +279,18 @@ def test_test_bench_sends_the_clock_after_the_messages_of_that_time(
     ]
 
 
+def test_test_bench_names_the_topics_without_a_connection() -> None:
+    bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
+    topics = ["motor_output", "set_point", "motor_input", "clock"]
+    ends = [mock.Mock() for _ in topics]
+    bench._output, bench._set_point, bench._input, bench._clock = ends
+    for index, topic in enumerate(topics):
+        for one in ends:
+            one.get_num_connections.return_value = int(one is ends[index])
+        assert bench.missing() == [name for name in topics[:3] if name != topic]
+        assert (bench.is_connected(), bench.has_clock_listener()) == (index < 3, index == 3)
+
+
 @pytest.mark.parametrize("topic", ["/set_point", "/motor_output"])
 def test_test_bench_refuses_another_publisher(
     topic: str, monkeypatch: "pytest.MonkeyPatch"
@@ -292,8 +347,17 @@ def test_session_with_its_own_plant_has_all_notes_and_leaves_nothing(
         with pytest.raises(JudgingError, match="the judge's own master ended"):
             session.judge_with_own_plant(False)
     assert bench.call_args[0][0] == {"a": "own", "b": "given"}
+    assert runner.call_args[0][2] is master.return_value.environment
     assert session.notes == ["found", "own", "followed"]
     master.return_value.close.assert_called_once_with()
+
+
+def test_session_names_the_program_that_cannot_be_started() -> None:
+    session: Any = Session(ProgramCommand("/anna", ["x"], {}, {}, {}), None, {}, 60.0)
+    runner = mock.Mock()
+    runner.run.side_effect = OSError(8, "Exec format error")
+    with pytest.raises(JudgingError, match="^/anna: Exec format error$"):
+        session._run(runner, [BY_NAME["ramp"]])
 
 
 def test_session_ends_after_a_controller_that_never_starts_and_on_a_late_machine() -> None:

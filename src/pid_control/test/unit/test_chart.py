@@ -51,6 +51,18 @@ def test_chart_draws_constant_and_not_finite_values() -> None:
     assert [len(points) for points in curves] == [2, 1]
 
 
+def test_axis_of_several_curves_has_room_for_all() -> None:
+    small, large = (
+        Curve("", "red", [0.0, 1.0], [0.0, 1.0]),
+        Curve("", "red", [0.0, 1.0], [-5.0, 9.0]),
+    )
+    for curves in ((small, large), (large, small)):
+        text = "\n".join(plot(Panel("", curves, 40.0), 100.0, 0.0, 1.0))
+        parts = [part.split('"')[0].split() for part in text.split('points="')[1:]]
+        heights = [float(point.split(",")[1]) for points in parts for point in points]
+        assert 0.0 <= min(heights) < 5.0 and 35.0 < max(heights) <= 40.0
+
+
 def test_axis_with_limits_of_its_own_shows_those() -> None:
     curve = Curve("", "red", [0.0, 1.0], [0.0, 0.5])
     text = "\n".join(plot(Panel("", [curve], 40.0, (-1.2, 1.2)), 100.0, 0.0, 2.0))
@@ -71,3 +83,6 @@ def test_panels_share_the_time_axis_and_do_not_overlap() -> None:
     assert '<text x="320.0" y="176" text-anchor="middle">6 s</text>' in text
     places = [float(part.split(")")[0]) for part in text.split("translate(56 ")[1:]]
     assert [b - a - height for a, b, height in zip(places, places[1:], heights)] == [70.0, 70.0]
+    # The title is above each plot, and the time below the last one.
+    height = float(xml.etree.ElementTree.fromstring(text).get("height", "0"))
+    assert 16.0 <= places[0] < 60.0 and 16.0 <= height - places[-1] - heights[-1] < 60.0

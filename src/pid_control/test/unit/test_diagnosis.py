@@ -11,11 +11,12 @@ from pid_control.identification.response import Model
 from pid_control.judging.controller_judgement import judge
 from pid_control.judging.evidence import ControllerEvidence, adapted, evidence_of
 from pid_control.judging.experiment import MotorOutput
+from pid_control.judging.probes import best_fit
 from pid_control.judging.record import ENDED, Record
 from pid_control.judging.scenarios import BY_NAME, scaled
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.reports import as_sentences
-from pid_control.judging.simulation import Law, pid_law
+from pid_control.judging.simulation import Law, pid_law, simulate
 from pid_control.tuning.rules import METHODS, gains_of
 from laws import CORRECT, clipped, correct, law_of
 from played import default_limits, pi, play_all, play_one
@@ -97,7 +98,7 @@ def without(topic: str) -> Callable[[], Law]:
         (student(winds_up=True), "windup", ["windup: time to leave", "integral keeps growing"]),
         (student(limit=0.9, winds_up=True), "windup", ["integral keeps growing"]),
         (law_of(winds_up_above), "windup", ["integral keeps growing"]),
-        (student(limit=1.1), "no clamp", ["the input is limited to ±1.1, not to ±1"]),
+        (student(limit=1.1), "no clamp", ["to ±1.1, not to ±1", "divide it by 1.1)"]),
         (student(least=-1e9), "no clamp, windup", ["the input is not limited below: keep it"]),
         (
             student(least=-1e9, winds_up=True),
@@ -220,11 +221,32 @@ def test_evidence_is_of_complete_records_only() -> None:
 
 def test_evidence_of_a_law_that_is_no_pi_has_no_gains() -> None:
     uneven = student(sign=lambda error: error if error > 0.0 else 2.0 * error)
-    assert evidence_of([play_one("held", uneven)]).law is None
+    held = play_one("held", uneven)
+    assert evidence_of([held]).law is None
+    for is_output in (False, True):
+        fit = best_fit(held.answers, is_output)
+        assert fit is not None
+        assert (fit.growth, fit.growth_below) == pytest.approx((1.5, 3.0), rel=0.01)
+        above, below = fit.response()
+        assert below - above == pytest.approx(0.1 * 1.5, rel=0.01)
     derivative = PidSettings(PID, 0.08, 1.5, 0.001)
     found = evidence_of([play_one("held", lambda: pid_law(derivative))])
     assert found.has_derivative and found.law is None
     assert evidence_of([play_one("windup", pi(output_min=-3.0, output_max=1.5))]).own_limit is None
+
+
+def test_answers_that_are_late_by_several_turns_are_those_of_their_law() -> None:
+    law, kept = pi()(), [0.0] * 5
+
+    def answer(set_point: float, output: MotorOutput) -> float:
+        kept.append(law(set_point, output))
+        return kept.pop(0)
+
+    answers = simulate(BY_NAME["held"], answer, LOOP_S).answers
+    for is_output in (False, True):
+        fit = best_fit(answers, is_output)
+        assert fit is not None and fit.delay == pytest.approx(0.05, abs=0.001)
+        assert (fit.gain, fit.growth) == pytest.approx((0.08, 1.5), rel=0.01)
 
 
 def test_rate_is_adapted_to_a_controller_that_answers_only_the_motor() -> None:

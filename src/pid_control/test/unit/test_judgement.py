@@ -51,6 +51,7 @@ def test_merged_replaces_named_limits_only() -> None:
     assert both["windup"] == {**LIMITS["windup"], "leave_time": 0.1}
     assert both["nan"] == LIMITS["nan"] and LIMITS["steps"]["overshoot"] == 25.0
     assert read_limits("", SCENARIO_METRICS) == {} and merged(LIMITS, {}) == LIMITS
+    assert read_limits("steps: {overshoot: 0}", SCENARIO_METRICS) == {"steps": {"overshoot": 0.0}}
 
 
 @pytest.mark.parametrize(
@@ -169,6 +170,16 @@ def test_cause_of_evidence_decides_between_rivals() -> None:
     for beyond, side in ((("above", "below"), ""), (("above",), " above"), (("below",), " below")):
         cause = cause_of("steps", "peak_input", {}, measured._replace(beyond=beyond))
         assert cause.sentence == f"the input is not limited{side}: keep it within -1 and 1"
+    lacking = measured._replace(was_probed=True, lacks_integral=True)
+    for metric, flaw in (
+        ("rise_time", "no integral"),
+        ("settling_time", "no integral"),
+        ("steady_error", "no integral"),
+        ("absolute_error", "no integral"),
+        ("overshoot", "unexplained"),
+        ("chatter", "unexplained"),
+    ):
+        assert cause_of("steps", metric, {}, lacking).flaw == flaw
     law = Law(0.08, 1.5, 0.01)
     winding = measured._replace(was_probed=True, winds_up=True, law=law)
     for scenario in ("missing", "early", "load"):
@@ -197,17 +208,21 @@ STEPS = BY_NAME["steps"]
         (Record(STEPS, WRITES_WITHOUT_END), "endless output", "without end"),
         (Record(STEPS, RESTLESS), "restless", "computes without a pause"),
         (Record(STEPS, RESTLESS, answers=[(0.0, 0.0)] * 900), "flood", "sends without a pause"),
-        (Record(STEPS, SILENT), "silent", "sends nothing on motor_input"),
-        (Record(STEPS, SILENT, answers=[(0.1, 0.0), (1.5, 0.0)]), "crash", "nothing after 1.50 s"),
+        (Record(STEPS, SILENT, "waiting"), "silent", "sends nothing on motor_input: waiting"),
         (
-            Record(STEPS, NOT_CONNECTED, missing=["motor_input"], hint="it publishes /u"),
-            "silent",
-            "does not publish motor_input; it publishes /u",
+            Record(STEPS, SILENT, "waiting", answers=[(0.1, 0.0), (1.5, 0.0)]),
+            "crash",
+            "sends nothing after 1.50 s: waiting",
         ),
         (
-            Record(STEPS, NOT_CONNECTED, missing=["motor_output", "set_point"]),
+            Record(STEPS, NOT_CONNECTED, "hi", missing=["motor_input"], hint="it publishes /u"),
+            "silent",
+            "does not publish motor_input; it publishes /u: hi",
+        ),
+        (
+            Record(STEPS, NOT_CONNECTED, "hi", missing=["motor_output", "set_point"], hint="why"),
             "not connected",
-            "does not subscribe to motor_output and set_point",
+            "does not subscribe to motor_output and set_point; why: hi",
         ),
     ],
 )
@@ -342,7 +357,7 @@ def test_the_picture_shows_every_scenario_and_marks_failures() -> None:
     svg = as_svg(records, "<a> & b", ["windup"])
     root = ElementTree.fromstring(svg)
     panels = root.findall(f"{SVG}g")
-    assert len(panels) == len(records)
+    assert len(panels) == len(records) == len({panel.get("transform") for panel in panels})
     headings = [panel.find(f"{SVG}text") for panel in panels]
     wrong = [one.text for one in headings if one.get("fill") != "black"]
     assert len(wrong) == 1 and wrong[0].startswith("windup: ")
@@ -350,6 +365,9 @@ def test_the_picture_shows_every_scenario_and_marks_failures() -> None:
     assert "nan" not in svg.replace("nan: NaN", "").lower().replace("nan as", "")
     assert len(svg) < 400_000
     # The jump of the input is in the picture, however many rows are left out.
+    set_point = list(panels[list(SCENARIO_METRICS).index("steps")].iter(f"{SVG}polyline"))[0]
+    asked = {point.split(",")[1] for point in (set_point.get("points") or "").split()}
+    assert len(asked) == 5  # a height for each set point
     windup = panels[list(SCENARIO_METRICS).index("windup")]
     points = list(windup.iter(f"{SVG}polyline"))[2].get("points").split()
     heights = [float(point.split(",")[1]) for point in points]
@@ -396,10 +414,27 @@ def test_batch_page_counts_verdicts_and_escapes_html() -> None:
     assert '<td class="not-judged">not judged</td>' in page
 
 
+def test_page_shows_passed_in_green_and_failed_in_red() -> None:
+    row = {"controller": "a", "verdict": PASSED, "flaws": "", "why": ""}
+    page = as_page_of_student(row, "controller", "", [])
+    for verdict, is_green in (("passed", True), ("failed", False)):
+        colour = page.split(f".{verdict}{{color:#")[1][:6]
+        assert (int(colour[2:4], 16) > int(colour[:2], 16)) is is_green
+
+
 def test_page_of_a_student_who_passed_has_no_reason() -> None:
     row = {"controller": "a", "verdict": PASSED, "flaws": "", "why": ""}
     assert '<p class="passed">passed</p>' in as_page_of_student(row, "controller", "", [])
 
 
-def test_every_metric_has_a_label() -> None:
+def test_every_metric_has_a_label_and_its_unit() -> None:
     assert all(metric.label for metric in METRICS.values())
+    units = {name: metric.unit for name, metric in METRICS.items()}
+    times = {"rise_time", "settling_time", "leave_time", "recovery_time"}
+    sums = {"standstill_jump", "processor", "effort"}
+    assert {name for name, unit in units.items() if unit == "s"} == times | sums
+    errors = {"steady_error", "tracking_error"}
+    assert {name for name, unit in units.items() if unit == "rad/s"} == errors
+    answers = {"set_point_response", "output_response", "kick"}
+    assert {name for name, unit in units.items() if unit == "1/(rad/s)"} == answers
+    assert (units["overshoot"], units["absolute_error"]) == ("%", "rad")

@@ -115,7 +115,7 @@ def test_the_peak_is_of_either_sign_and_of_numbers() -> None:
 
 def test_nan_is_excused_only_just_after_nan_was_sent() -> None:
     scenario = BY_NAME["nan"]
-    answers = [(0.5, math.nan), (0.95, math.nan), (1.2, math.inf), (1.3, 0.1)]
+    answers = [(0.5, math.nan), (0.95, math.nan), (1.2, math.inf), (1.3, 0.1), (1.55, math.nan)]
     assert figure(Record(scenario, answers=answers), "not_finite") == 2.0
 
 
@@ -186,11 +186,11 @@ def test_response_of_a_constant_input_is_0_and_unknown_at_a_limit() -> None:
         assert figure(constant, "output_response") == response
 
 
-@pytest.mark.parametrize("ki", [27.0, 73.0, 300.0])
-def test_responses_of_a_large_integral_gain_are_measured(ki: float) -> None:
-    record = play_one("held", pi(kp=0.5, ki=ki))
+@pytest.mark.parametrize("kp, ki", [(0.5, 27.0), (0.5, 73.0), (0.5, 300.0), (0.002, 0.01)])
+def test_responses_of_large_and_small_gains_are_measured(kp: float, ki: float) -> None:
+    record = play_one("held", pi(kp=kp, ki=ki))
     for name in ("set_point_response", "output_response"):
-        assert figure(record, name) == pytest.approx(0.5 + 0.1 * ki, rel=0.01)
+        assert figure(record, name) == pytest.approx(kp + 0.1 * ki, rel=0.01)
     assert figure(record, "kick") == pytest.approx(0.0, abs=1e-6)
 
 
@@ -234,6 +234,8 @@ def test_integral_that_grows_while_the_clock_is_paused_is_found() -> None:
     record = play_one("rate", pi())
     assert figure(record, "standstill_jump") < 0.005
     assert figure(record._replace(pauses=()), "standstill_jump") is None
+    # Without an integral, a change of the input is not one of its.
+    assert figure(play_one("rate", pi(ki=5e-4)), "standstill_jump") is None
     # The second pause is twice as long as the first.
     assert figure(jumped(record, 0.2, 0.4), "standstill_jump") == pytest.approx(0.2, abs=0.01)
 

@@ -120,6 +120,16 @@ def test_nan_arrives_once_on_each_topic() -> None:
         if one.set_point is not None and math.isnan(one.set_point)
     ]
     assert outputs == [pytest.approx(0.9)] and points == [pytest.approx(1.5)]
+    # The motor recovers from each.
+    assert list(scenario.events) == pytest.approx([*outputs, *points])
+
+
+@pytest.mark.parametrize("name", ["missing", "restart", "early"])
+def test_recovery_counts_from_the_first_output_after_a_silence(name: str) -> None:
+    scenario = BY_NAME[name]
+    [event] = scenario.events
+    silent, heard = sent_at(scenario, event - STEP_S, event)
+    assert silent.output is None and heard.output is not None
 
 
 def test_noise_is_measured_and_does_not_move_the_motor() -> None:

@@ -90,6 +90,13 @@ def test_identify_unusable_record_raises(
         identify(answered(changes, model, duration))
 
 
+def test_identify_much_noise_explains_its_share() -> None:
+    record = answered([(0.0, 0.0), (3.0, 1.0), (6.0, 0.0)], SLOW, 9.0, 0.2, outputs=500)
+    share = 1.0 - (0.2 * 2.0) ** 2 / float(numpy.var(record.outputs))
+    assert 0.6 < share < 0.9
+    assert identify(record).explained == pytest.approx(share, abs=0.05)
+
+
 @pytest.mark.extended
 def test_identify_unrelated_output_raises() -> None:
     record = recorded(SLOW)
@@ -157,6 +164,9 @@ def test_read_step_ignores_a_larger_but_short_step() -> None:
     record = answered([(0.0, 0.0), (1.0, 1.0), (1.1, 0.0), (2.0, 0.5)], SLOW, 9.0)
     reading = read_step(record)
     assert reading is not None and (reading.before, reading.after) == (0.0, 0.5)
+    # A step in the dead zone has no gain.
+    changes = [(0.0, 0.0), (1.0, 0.1), (6.0, 1.0), (6.5, 0.0)]
+    assert read_step(answered(changes, Model(2.0, 1.0, 0.0, 0.2), 7.0)) is None
 
 
 def test_report_states_each_figure() -> None:

@@ -7,12 +7,13 @@ import numpy
 import pytest
 from scipy.signal import lfilter
 
+from pid_control.identification import term_selection
 from pid_control.identification.excitation import excitation
 from pid_control.identification.fit import Identification, identify
 from pid_control.identification.model_file import as_yaml, read_model
 from pid_control.identification.record import Record, record_of
 from pid_control.identification.report import as_picture, as_text
-from pid_control.identification.response import Model
+from pid_control.identification.response import GAIN, OFFSET, START, Model, candidate, responses
 from pid_control.identification.step_reading import read_step
 from plants import answered, autocorrelated, recorded
 
@@ -78,6 +79,16 @@ def test_heater_at_ambient_temperature_has_its_gain_and_no_limit() -> None:
     model = as_yaml(found, "a record")
     assert "# offset 20" in model
     assert read_model(model).gain == pytest.approx(found.model.gain, rel=1e-5)
+
+
+def test_search_begins_near_a_plant_that_coasts_to_its_offset() -> None:
+    plant = Model(-5.0, 1.0, offset=20.0)
+    record = answered([[0.0, 0.0], [4.0, 1.0], [8.0, -1.0]], plant, 12.0, outputs=300)
+    outputs = responses(record, candidate(plant, 27.0)[None, :])[0]
+    record = record._replace(outputs=outputs)
+    line = term_selection._line(record)
+    assert (line[GAIN], line[START], line[OFFSET]) == pytest.approx((-5.0, 27.0, 20.0), rel=0.2)
+    assert term_selection._begin(record, [math.inf], 0.0)[START] == outputs[0] == 27.0
 
 
 @pytest.mark.extended

@@ -89,11 +89,15 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
     times = read_record(path, fields[1], fields[3]).times
     assert numpy.diff(times) == pytest.approx(0.01)  # by the stamps
-    status, output, errors = identify(capsys, path, *fields)
+    files = ["--model", str(tmp_path / "m.yaml"), "--picture", str(tmp_path / "p.svg")]
+    status, output, errors = identify(capsys, path, *fields, *files)
     assert (status, errors) == (0, "")
+    origin = f"# Identified from {fields[3]} over {fields[1]} in {path}.\n"
+    assert (tmp_path / "m.yaml").read_text().startswith(origin)
+    assert (tmp_path / "p.svg").read_text().count("<polyline") >= 4
     (line,) = [line for line in output.splitlines() if line.startswith("K   ")]
     assert float(line.split()[1]) == pytest.approx(8.0, abs=0.01)
-    status, _, errors = identify(capsys, path, *fields, "--end", "1.5")
+    status, _, errors = identify(capsys, path, *fields, "--start", "0.5", "--end", "1.5")
     assert status == 1
     assert "record not usable: the input never changes: it is 0 throughout" in errors
     status, output, errors = identify(capsys, path, *fields, "--start", "1.5", "--end", "9")

@@ -23,6 +23,10 @@ def test_each_rule() -> None:
     assert found[ZN_PID].kd == pytest.approx(1.2)
     assert found[ZN_PID].filter_time == pytest.approx(0.025)
     assert [found[method].mode for method in METHODS] == ["PI", "PI", "PI", "PID"]
+    named = {method: as_yaml(found[method], "a", -1.0, 1.0).splitlines()[0] for method in METHODS}
+    for method, source in ((SIMC, "Skogestad"), (LAMBDA, "Dahlin"), (ZN_PI, "Ziegler")):
+        assert named[method].startswith(f"# {method} ({source}"), named
+    assert "(Ziegler" in named[ZN_PID]
 
 
 def test_simc_short_time_constant_is_the_integral_time() -> None:

@@ -69,6 +69,8 @@ def test_tune_uses_the_period_and_the_wanted_time_constant(
     found = written_gains("--period", "0.1", "--wanted", "0.35")
     # The mean delay of the period is 0.05 s.
     assert found["kp"] == pytest.approx(0.2 / (10.0 * (0.35 + 0.05)))
+    found = written_gains("--period", "0.1")  # by SIMC, whose time constant is that delay
+    assert found["kp"] == pytest.approx(0.2 / (10.0 * (0.05 + 0.05)))
 
 
 def test_tune_writes_the_gains_of_the_method_and_judges_all_with_the_limits(

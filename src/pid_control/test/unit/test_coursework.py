@@ -154,7 +154,7 @@ def test_find_coursework_reports_a_launch_file_of_one_node(tmp_path: pathlib.Pat
 def test_find_coursework_names_the_package_of_a_foreign_launch_file(
     tmp_path: pathlib.Path,
 ) -> None:
-    both = node("process.py", "ben") + node("signal.py", "ben")
+    both = node("plot.py", "rqt") + node("process.py", "ben") + node("signal.py", "ben")
     folder = package(tmp_path, {"a.launch": both}, "signal.py", "process.py")
     missing = find_coursework(folder, [], dict(ENVIRONMENT)).missing
     assert missing == (
@@ -170,7 +170,10 @@ def test_find_coursework_prefers_the_launch_file_with_fitting_names(
     both = node("process.py") + node("signal.py")
     launch = {"a.launch": talk, "b.launch": both, "c.launch": both}
     folder = package(tmp_path, launch, "talker.py", "listener.py", "signal.py", "process.py")
-    assert find_coursework(folder, [], dict(ENVIRONMENT)).launch_file.endswith("b.launch")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert found.launch_file.endswith("b.launch")
+    # Of the others, nothing is said.
+    assert [one for one in found.notes if "launch" in one] == ["launch file: b.launch"]
     for name in ("b.launch", "c.launch"):
         (tmp_path / name).unlink()
     found = find_coursework(folder, [], dict(ENVIRONMENT))  # by the names of the programs
@@ -232,6 +235,8 @@ def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) ->
     (tmp_path / "scripts" / "signal_generator.cpp").write_text("")
     assert has_coursework(folder) and CourseworkFinder([]).is_in(folder)
     assert CourseworkFinder(["a.launch"]).words(folder, None) == [folder, "a.launch"]
+    (tmp_path / "CMakeLists.txt").write_text("add_executable(signal signal.cpp)")
+    assert not CourseworkFinder([]).is_built_by(folder)  # has_coursework sees its source
 
 
 def test_files_of_a_package_are_found() -> None:

@@ -88,10 +88,19 @@ def test_good_coursework_passes_with_all_figures() -> None:
     assert [finding.metric for finding in judgement.findings] == [
         metric for metrics in METRICS.values() for metric in metrics
     ]
+    units = {one.metric: one.unit for one in judgement.findings if one.unit}
+    radians = dict.fromkeys(("phase_shift", "shift", "shift_error"), "rad")
+    assert units == {"rate": "Hz", "frequency": "rad/s", **radians}
     figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
     assert figures["process", "gain"] == pytest.approx(0.5)
     assert figures["process", "phase_shift"] == pytest.approx(1.0)
     assert figures["process", "below_zero"] == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("frequency", [2.0, 1.0 / math.pi])
+def test_frequency_of_the_messages_may_be_in_hz(frequency: float) -> None:
+    constants = {"amplitude": 2.0, "frequency": frequency}
+    assert judged(evidence(constants=constants)).verdict == PASSED
 
 
 def test_depth_below_zero_is_a_share_of_the_outputs_amplitude() -> None:
@@ -370,6 +379,12 @@ def test_nodes_that_are_not_connected_come_before_a_missing_launch_file() -> Non
     found = CourseworkEvidence()
     found.missing, found.broken["signal"] = "it has none", FailedTrial("not connected", "")
     assert judged(found).flaws() == ["not connected", "launch"]
+    # A node that has ended, or sends without a pause, may be the reason that they are not.
+    found.broken["namespace"], found.broken["process"] = (
+        FailedTrial("flood", "/process"),
+        FailedTrial("ended", "/process"),
+    )
+    assert judged(found).flaws() == ["crash", "flood", "not connected", "launch"]
 
 
 def test_distorted_signal_or_output_has_no_further_figures() -> None:
@@ -412,6 +427,12 @@ def test_silent_nodes_are_named() -> None:
     assert judgement.flaws() == ["silent"]
     sentences = {failure.cause.sentence for failure in judgement.failures}
     assert sentences == {"the signal generator sends nothing", "the process node sends nothing"}
+    # Two messages are no signal either.
+    two = Channel("/signal", "data", [0.0, 0.1], [0.0, 0.1])
+    found.baseline = found.baseline._replace(signal=two)
+    failures = judge(found, LIMITS, ["signal"]).failures
+    says = {failure.cause.sentence for failure in failures}
+    assert len(failures) == 2 and says == {"the signal generator sends nothing"}
 
 
 def test_flaws_are_sorted_and_each_cause_has_its_place() -> None:

@@ -124,10 +124,12 @@ def test_coursework_bench_has_the_notes_of_the_latest_coursework_and_ends_its_ma
     ):
         classes = {"anna/x": mock.Mock()}
         generate.return_value, found.side_effect = classes, [mock.Mock(notes=[])]
-        monkeypatch.setattr(coursework_bench, "_is_built", lambda *_: is_built_here)
+        has_it = mock.Mock(return_value=is_built_here)
+        monkeypatch.setattr(coursework_bench, "_is_built", has_it)
         before = {"PYTHONPATH": "/before"}
         bench.run(CourseworkRequest("/anna", [], [], before, is_built))
         bench._bench.use_classes.assert_called_with({} if is_built_here else classes)
+        assert is_built or has_it.call_args == mock.call("/anna", "anna", classes)
         assert found.call_args[0][2] == {"PYTHONPATH": path} and bench.notes == ["of the session"]
     bench._master.is_running.return_value = False
     found.side_effect = [mock.Mock(notes=[])]
@@ -234,7 +236,17 @@ def test_repeated_record_forgets_failures_of_the_first(
 ) -> None:
     session = SignalSession(mock.Mock(), [], False, 60.0, {}, mock.Mock(), mock.Mock())
     session.evidence.broken["restart"] = FailedTrial("crash", "/generator")
+    session.evidence.restart = mock.Mock()
     monkeypatch.setattr(session, "_trial", mock.MagicMock())
     monkeypatch.setattr(session, "_record_baseline", mock.Mock())
     session._repeat_baseline(mock.Mock())
-    assert session.evidence.broken == {}
+    assert session.evidence.broken == {} and session.evidence.restart is None
+
+
+def test_topics_that_this_process_cannot_hear_are_all_named() -> None:
+    session = session_of([])
+    session._bench.unheard.return_value = []
+    session._check_heard()
+    session._bench.unheard.return_value = ["/x", "/y"]
+    with pytest.raises(JudgingError, match="/x, /y: another definition of its type"):
+        session._check_heard()

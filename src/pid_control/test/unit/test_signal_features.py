@@ -121,6 +121,7 @@ def test_process_features_of_constant_output_are_missing() -> None:
     ("of", "is_like"),
     [
         (lambda time: math.sin(2.0 * time), True),
+        (lambda time: math.sin(2.0 * time) + 0.28 * math.sin(6.0 * time), True),
         (lambda time: max(0.0, math.sin(2.0 * time + 0.8)), True),  # 0 in the last quarter period
         (lambda time: 10.0 + 5.0 * 0.5 ** (10.0 * time), False),
         (lambda time: 1.0, False),

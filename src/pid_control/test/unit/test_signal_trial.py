@@ -230,6 +230,23 @@ def echo(node: PlayedNode) -> Iterator[None]:
         yield
 
 
+def buffered(node: PlayedNode) -> Iterator[None]:
+    """Answer with the message of a second ago, and with what it had stored after a restart."""
+    node.subscribe("signal")
+    kept = [0.0] * 9
+    while True:
+        kept.append(node.latest("signal"))
+        node.publish("proc_signal", 2.0 + 0.5 * kept.pop(0))
+        yield
+
+
+def test_rest_of_a_buffer_after_a_restart_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    judgement = Played(monkeypatch, "restart", process=buffered).judge()
+    assert judgement.verdict == PASSED, judgement.failures
+    [change] = [one.value for one in judgement.findings if one.metric == "change"]
+    assert change == pytest.approx(0.0, abs=0.01)
+
+
 def test_slow_signal_is_recorded_for_more_than_two_periods(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -250,6 +267,13 @@ def late_topics(node: PlayedNode) -> Iterator[None]:
     yield from process(node)
 
 
+def late_start(node: PlayedNode) -> Iterator[None]:
+    """Have no topics for 8 s, as a node that loads a large library."""
+    for _ in range(80):
+        yield
+    yield from process(node)
+
+
 def by_time(node: PlayedNode) -> Iterator[None]:
     """Compute the output from the generator's time; the signal is not received."""
     node.subscribe("time")
@@ -258,7 +282,7 @@ def by_time(node: PlayedNode) -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("loop", [late_topics, by_time])
+@pytest.mark.parametrize("loop", [late_topics, late_start, by_time])
 def test_process_node_with_other_topics_passes(loop: Loop, monkeypatch: pytest.MonkeyPatch) -> None:
     judgement = Played(monkeypatch, "signal", "process", process=loop).judge()
     assert judgement.verdict == PASSED, judgement.failures

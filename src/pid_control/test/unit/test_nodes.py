@@ -1,6 +1,6 @@
 """Callbacks of the nodes, without a master."""
 
-from typing import Any, List, Tuple, Type
+from typing import Any, List, Optional, Tuple, Type
 from unittest import mock
 
 import pytest
@@ -9,6 +9,7 @@ from std_msgs.msg import Float64MultiArray
 from nodekit.master import MISSING
 from pid_control import course_names
 from pid_control.controller.controller_parameters import ControllerParameters
+from pid_control.identification.record import IdentificationError
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control.nodes import system
 from pid_control.nodes.controller import Controller
@@ -198,12 +199,20 @@ def test_controller_silent_motor_gets_0_once_and_then_a_first_input(clock: Clock
     rig = ControllerRig(clock, kp=0.1, ki=1.0, timeout=0.5, command_timeout=0.0)
     rig.sent(0.01)
     rig.publisher.publish.reset_mock()
+    clock.now += 0.4
+    rig.controller._check_silence(0.0)
+    assert rig.heard() == []
     for _ in range(2):
         clock.now += 0.6
         rig.controller._check_silence(0.0)
     assert rig.heard() == [(0.0, 0.01)]
     # Its stamps do not say for how long.
     assert rig.sent(0.3) == [(pytest.approx(0.4), 0.3)]
+
+
+def test_controller_notices_a_silent_motor_soon_after_the_timeout(clock: Clock) -> None:
+    rate, check = ControllerRig(clock).node.create_timer.call_args[0]
+    assert check.__name__ == "_check_silence" and 1.0 / rate <= 0.05
 
 
 def test_controller_set_point_and_motor_silent_stops_by_the_shorter_timeout(clock: Clock) -> None:
@@ -229,6 +238,7 @@ def test_controller_sends_nothing_after_its_end(clock: Clock) -> None:
     rig = ControllerRig(clock)
     rig.sent(0.01)
     rig.controller._end()
+    assert rig.heard()[1:] == [(0.0, 0.01)]
     rig.controller._check_silence(0.0)
     assert rig.sent(0.02) == []
 
@@ -242,6 +252,9 @@ def test_controller_warns_of_late_outputs_now_and_then(
     assert rig.sent(0.01)
     assert [rig.sent(0.01) for _ in range(3)] == [[]] * 3
     assert warn.call_count == 1
+    for seconds, warned in ((5.0, 1), (6.0, 2)):
+        clock.now += seconds
+        assert rig.sent(0.01) == [] and warn.call_count == warned
 
 
 def test_course_names_equal_to_the_private_ones_are_no_warning(
@@ -264,6 +277,21 @@ def test_course_names_equal_to_the_private_ones_are_no_warning(
         assert warn.call_count == times
 
 
+def test_course_names_are_copied_to_private_parameters_that_are_unset(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    held = {"/m/system_param_T": 0.5, "/system_param_T": 0.1, "/system_param_K": 5.0}
+    master = mock.MagicMock()
+    known = master.return_value.__enter__.return_value
+    known.read = lambda keys: mock.Mock(values={key: held.get(key, MISSING) for key in keys})
+    monkeypatch.setattr(course_names, "MasterClient", master)
+    monkeypatch.setattr("rospy.logwarn", mock.Mock())
+    node = mock.Mock(resolve=lambda name: "/" + name)
+    node.name = "/m"
+    course_names.adopt_course_names(node, SystemParameters)
+    known.write.assert_called_once_with({"/m/system_param_K": 5.0})
+
+
 def experiment_on(
     monkeypatch: "pytest.MonkeyPatch", output: str = "motor_output/output", *others: str
 ) -> Tuple[Any, mock.MagicMock]:
@@ -284,7 +312,7 @@ def experiment_on(
     monkeypatch.setattr("rospy.get_time", lambda: 0.0)
     node = mock.MagicMock(resolve=lambda name: "/" + name)
     node.name = "/identify"
-    drive = DriveSettings("motor_input/input", output, 0.0, 1.0, 10.0)
+    drive = DriveSettings("motor_input/input", output, -0.25, 1.0, 10.0)
     return LiveExperiment(node, drive, mock.Mock()), node
 
 
@@ -304,11 +332,40 @@ def test_identify_begins_with_the_first_output_and_ends_with_an_input_of_0(
     monkeypatch.setattr(live_experiment, "abort", abort)
     for time in range(110):
         experiment._send(0.1 * time)
-    assert 0.0 < max(sent[:-1]) <= 1.0 and len(sent) > 90 and sent[-1] == 0.0
+    assert (min(sent), max(sent)) == (-0.25, 1.0) and len(sent) > 90 and sent[-1] == 0.0
     experiment._end()
     assert abort.call_count == 1  # one output is no record
     # A paused clock is a silent plant too.
     assert node.create_timer.call_args_list[1][1] == {"steady": True}
+
+
+@pytest.mark.parametrize(
+    "error, why",
+    [
+        (None, ""),
+        (IdentificationError("too short"), "record not usable: too short"),
+        (PermissionError(13, "Permission denied", "/x.yaml"), "/x.yaml: Permission denied"),
+    ],
+)
+def test_identify_ends_with_a_record_of_all_inputs_and_outputs(
+    error: Optional[Exception], why: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    experiment, _ = experiment_on(monkeypatch)
+    experiment._on_record.side_effect = error
+    abort, shutdown = mock.Mock(), mock.Mock()
+    monkeypatch.setattr(live_experiment, "abort", abort)
+    monkeypatch.setattr("rospy.signal_shutdown", shutdown)
+    for number in range(110):
+        monkeypatch.setattr("rospy.get_time", lambda: 50.0 + 0.1 * number)
+        experiment._on_output(motor_output(0.5 * number, 0.1 * number, ""))
+        experiment._send(0.1 * number)
+    [(record,)] = [call[0] for call in experiment._on_record.call_args_list]
+    assert record.duration == pytest.approx(10.0, abs=0.3) and record.left_out == 0
+    assert record.outputs[:3].tolist() == [0.0, 0.5, 1.0]
+    assert (record.inputs.min(), record.inputs.max()) == (-0.25, 1.0)
+    experiment._end()  # the shutdown's
+    assert abort.call_args_list == ([mock.call(why)] if why else [])
+    assert shutdown.call_count == (not why)
 
 
 @pytest.mark.parametrize(
@@ -349,6 +406,7 @@ def test_input_of_identify_has_the_time_of_the_latest_output(
     experiment._inputs, experiment._outputs = Samples(), Samples()
     experiment._input, experiment._message = Field("/motor_input", "input"), motor_input()
     experiment._publisher = mock.Mock()
+    experiment._outputs.add(6.9, 3.4, 1.0)
     experiment._outputs.add(7.0, 3.5, 1.0)
     monkeypatch.setattr("rospy.get_time", lambda: 7.1)
     experiment._publish(0.5)

@@ -3,7 +3,7 @@
 import os
 import pathlib
 import sys
-from typing import List, Optional
+from typing import Dict, List, Optional
 
 import pytest
 
@@ -96,6 +96,7 @@ def test_end_of_a_program_ends_its_processes_in_other_sessions() -> None:
     finally:
         controller.end()
     assert not os.path.exists(f"/proc/{controller.last_words()}")
+    assert controller.processor_time() == 0.0
 
 
 def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.Path) -> None:
@@ -306,6 +307,32 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
         f"{launch}: its parameters and names for /mine are used",
     ]
     assert command.package == str(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "words, options, says",
+    [
+        (["{launch}"], {"launch": "x.launch"}, r"--launch: only valid with a program \(.*launch\)"),
+        (
+            ["{program}"],
+            {"node": "x"},
+            r"--node: only valid with a launch file \(.*controller.py\)",
+        ),
+        (["anna"], {}, r"file not found \(anna\); for a package, name a program in it as well"),
+        (["{launch}"], {}, "which node is the controller\\? --node NAME, of /one, /two$"),
+        (["{launch}"], {"node": "three"}, "has no node three; its nodes are /one, /two$"),
+    ],
+)
+def test_find_controller_that_is_not_certain_names_the_option(
+    words: List[str], options: Dict[str, str], says: str, tmp_path: pathlib.Path
+) -> None:
+    program, launch = tmp_path / "controller.py", tmp_path / "two.launch"
+    program.write_bytes(STARTS + SAYS)
+    program.chmod(0o755)
+    nodes = "".join(f'<node pkg="x" type="{name}" name="{name}"/>' for name in ("one", "two"))
+    launch.write_text(f"<launch>{nodes}</launch>")
+    with pytest.raises(CommandError, match=says):
+        find_controller([word.format(launch=launch, program=program) for word in words], **options)
 
 
 def test_find_controller_only_node_of_a_launch_file_is_taken(tmp_path: pathlib.Path) -> None:

@@ -14,7 +14,7 @@ from pid_control.judging.scenarios import BY_NAME, MOTOR
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import real_plant, real_plant_runner
-from pid_control.runner.judging_errors import TimeLimitExceeded
+from pid_control.runner.judging_errors import JudgingError, TimeLimitExceeded
 from pid_control.runner.real_plant import PlantError, RealPlant
 from pid_control.runner.real_plant_runner import RealPlantRunner
 from pid_control.runner.session import Session
@@ -38,6 +38,9 @@ def test_shutdown_beside_a_real_plant_ends_the_controller_before_the_last_input(
     plant.stop = lambda: calls.append("0")
     plant._shut_down()
     assert calls == ["controller", "0"]
+    for call in (plant.check_node, plant.wait_until_it_stands, lambda: plant.send_set_point(1.0)):
+        with pytest.raises(PlantError, match="the node was shut down"):
+            call()
 
 
 def test_real_plant_is_stopped_by_a_set_point_and_an_input_of_0(
@@ -237,7 +240,7 @@ def test_session_with_a_real_plant_names_the_scenarios_left_out(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr(real_plant, "RealPlant", mock.Mock())
-    runner = mock.Mock()
+    runner: Any = mock.Mock()
     runner.return_value = mock.Mock(latest=0.0, most_late=0.1)
     runner.return_value.run.side_effect = lambda scenario: Record(scenario, ENDED, answers=[(1, 1)])
     monkeypatch.setattr(real_plant_runner, "RealPlantRunner", runner)
@@ -247,3 +250,7 @@ def test_session_with_a_real_plant_names_the_scenarios_left_out(
         judgement = session.judge_with_real_plant(13.0)
         assert [record.scenario.name for record in session.records] == ran
         assert judgement.left_out[:2] == ["held", "rate"] and "ramp" not in judgement.left_out
+    runner.return_value.run.side_effect = PlantError("the plant is silent")
+    with pytest.raises(JudgingError, match="the plant is silent"):
+        Session(command, None, {}, 60.0).judge_with_real_plant(13.0)
+    assert real_plant.RealPlant.return_value.close.call_count == 3

@@ -6,6 +6,7 @@ from typing import Any, Dict, List, Optional
 from unittest import mock
 
 import pytest
+import rosgraph
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32
@@ -14,6 +15,7 @@ from pid_control.judging.experiment import Experiment, MotorOutput, OutgoingMess
 from pid_control.judging.record import ENDED, NOT_CONNECTED, RESTLESS, SILENT, Pause, Record
 from pid_control.judging.scenarios import BY_NAME, SLOW_STEP_S, STEP_S
 from pid_control.msg import motor_input, motor_output
+from pid_control.programs.package_messages import MessageTypeError
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner import bench_runner, clock, gains_judgement, test_bench
 from pid_control.runner.bench_runner import BenchRunner
@@ -185,6 +187,35 @@ def test_controller_without_a_motor_has_the_time_that_it_needed_with_one(
             late()
 
 
+def test_controller_that_ends_or_has_other_topics_does_not_connect(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    connect = BenchRunner._connect
+    rig = BenchRig(monkeypatch)
+    monkeypatch.setattr("time.sleep", mock.Mock())
+    experiment = Experiment(BY_NAME["steps"], 0.0)
+    rig.bench.missing.return_value = ["set_point"]
+    rig.process.status = 1
+    assert not connect(rig.runner, experiment, rig.process)
+    rig.process.status = None
+    now = iter(range(0, 10_000, 2))
+    monkeypatch.setattr("time.monotonic", lambda: float(next(now)))
+    rig.process.watch.is_idle.return_value = True
+    for is_connected, most in ((False, bench_runner._FIRST_TOPIC_S), (True, None)):
+        rig.bench.is_connected.return_value = is_connected
+        begin = float(next(now))
+        assert not connect(rig.runner, experiment, rig.process)
+        taken = float(next(now)) - begin
+        assert most is None or taken >= most
+    # Connections of an ended controller are found to be dead only by writing to them.
+    rig.bench.send.reset_mock()
+    rig.bench.is_connected.side_effect = [True, True, False]
+    rig.runner._wait_until_alone()
+    assert [call[0][0].set_point for call in rig.bench.send.call_args_list] == [0.0, 0.0]
+    rig.bench.is_connected.side_effect = itertools.repeat(True)
+    rig.runner._wait_until_alone()  # not forever
+
+
 def test_silent_controller_fails_with_its_last_words(monkeypatch: "pytest.MonkeyPatch") -> None:
     rig = BenchRig(monkeypatch)
     rig.process.last_words.return_value = "waiting"
@@ -279,6 +310,32 @@ def test_test_bench_sends_the_clock_after_the_messages_of_that_time(
     ]
 
 
+def test_test_bench_asks_the_other_nodes_for_their_types(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
+    master, ask = mock.Mock(), mock.Mock(return_value=({"/u": "F"}, ["/b"]))
+    publishers, subscribers = [["/u", ["/a", "/judge"]]], [["/y", ["/b", "/gone"]]]
+    master.getSystemState.return_value = [1, "", [publishers, subscribers, [["/s", ["/c"]]]]]
+    monkeypatch.setattr("rospy.get_master", lambda: master)
+    monkeypatch.setattr("rospy.get_name", lambda: "/judge")
+    known = {"/a": "http://a", "/b": "http://b"}
+
+    def look_up(node: str) -> str:
+        if node not in known:
+            raise rosgraph.MasterError("unknown node")
+        return known[node]
+
+    monkeypatch.setattr("rosgraph.Master", lambda _: mock.Mock(lookupNode=look_up))
+    monkeypatch.setattr(test_bench, "ask_types", ask)
+    assert bench.types_of_controller() == {"/u": "F"}
+    ask.assert_called_once_with(known)
+    shutdown = mock.Mock()
+    monkeypatch.setattr("rospy.signal_shutdown", shutdown)
+    bench.close()
+    assert shutdown.call_count == 1
+
+
 def test_test_bench_names_the_topics_without_a_connection() -> None:
     bench: Any = test_bench.TestBench.__new__(test_bench.TestBench)
     topics = ["motor_output", "set_point", "motor_input", "clock"]
@@ -350,6 +407,40 @@ def test_session_with_its_own_plant_has_all_notes_and_leaves_nothing(
     assert runner.call_args[0][2] is master.return_value.environment
     assert session.notes == ["found", "own", "followed"]
     master.return_value.close.assert_called_once_with()
+
+
+@pytest.mark.parametrize(
+    "place, error, says",
+    [
+        ("read_messages", MessageTypeError("no type"), "no type"),
+        ("_run", test_bench.PublisherConflict("/a publishes set_point"), "/a publishes set_point"),
+    ],
+)
+def test_session_that_cannot_judge_says_why_and_leaves_no_master(
+    place: str, error: Exception, says: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    master = mock.Mock()
+    master.return_value.folder = "/scratch"
+    command = ProgramCommand("x", ["x"], {}, {}, {})
+    monkeypatch.setattr(session_module, "PrivateMaster", master)
+    read = mock.Mock(return_value=StudentMessages(command, {}, {}))
+    monkeypatch.setattr(session_module, "read_messages", read)
+    for module, name in ((bench_runner, "BenchRunner"), (test_bench, "TestBench")):
+        monkeypatch.setattr(module, name, mock.Mock())
+    target: Any = session_module if place == "read_messages" else Session
+    monkeypatch.setattr(target, place, mock.Mock(side_effect=error))
+    with pytest.raises(JudgingError, match=f"^{says}$"):
+        Session(command, None, {}, 60.0).judge_with_own_plant(False)
+    master.return_value.close.assert_called_once_with()
+
+
+def test_session_keeps_the_records_before_its_time_limit() -> None:
+    session: Any = Session(ProgramCommand("x", ["x"], {}, {}, {}), None, {}, 60.0)
+    runner = mock.Mock(latest=0.0, most_late=0.02)
+    first = Record(BY_NAME["ramp"], ENDED, answers=[(0.0, 0.0)])
+    runner.run.side_effect = [first, TimeLimitExceeded]
+    reason = session._run(runner, [BY_NAME[name] for name in ("ramp", "sine", "load")])
+    assert (reason, session.records) == ("60 s are over in sine", [first])
 
 
 def test_session_names_the_program_that_cannot_be_started() -> None:

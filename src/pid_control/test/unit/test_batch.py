@@ -416,3 +416,24 @@ def test_batch_that_is_interrupted_keeps_the_rows_so_far(
     lines = (output / "class.csv").read_text().splitlines()
     assert [line.partition(",")[0] for line in lines] == ["controller", "anna"]
     assert "anna.html" in (output / "class.html").read_text()
+
+
+def test_batch_has_the_figures_and_the_picture_of_a_judgement(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    judge, output = tmp_path / "judge", tmp_path / "out"
+    (tmp_path / "class" / "anna").mkdir(parents=True)
+    (tmp_path / "class" / "anna" / "package.xml").write_text("")
+    (tmp_path / "class" / "anna" / "controller.py").write_text("")
+    judge.write_text(
+        "import sys; options = dict(zip(sys.argv[1::2], sys.argv[2::2]))\n"
+        "open(options['--csv'], 'w').write('controller,verdict,flaws,why,x\\nx,passed,,,0.5\\n')\n"
+        "open(options['--picture'], 'w').write('<svg/>')\n"
+    )
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    assert batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run() == 0
+    lines = (output / "class.csv").read_text().splitlines()
+    assert lines == ["controller,verdict,flaws,why,x", "anna,passed,,,0.5"]
+    assert '<img src="anna.svg"' in (output / "anna.html").read_text()
+    for name in ("anna.html", "anna.txt", "anna.svg"):
+        assert f'href="{name}"' in (output / "class.html").read_text()

@@ -14,6 +14,7 @@ from std_msgs.msg import String
 from pid_control.commands import identify as identify_command
 from pid_control.msg import motor_input, motor_output
 from pid_control.recording.bag_record import read_record
+from pid_control.recording.live_experiment import DriveError
 
 
 def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int, str, str]:
@@ -35,6 +36,7 @@ def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int
         (["{folder}/none.bag"], "No such file or directory"),
         (["--largest", "0"], "--largest above it"),
         (["--least", "nan"], "'nan' is not a finite number"),
+        (["--least", "low"], "'low' is not a finite number"),
         (["--largest", "inf"], "'inf' is not a finite number"),
         (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
         (["--model", "{folder}/no/m.yaml"], "no/m.yaml: No such file or directory"),
@@ -67,6 +69,16 @@ def test_identify_without_options_drives_the_motor_of_its_namespace(
     assert identify(capsys) == (0, "", "")
     drive = experiment.call_args[0][1]
     assert drive == ("motor_input/input", "motor_output/output", 0.0, 1.0, 10.0)
+
+
+def test_identify_that_cannot_drive_the_plant_says_why(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    refuse = mock.Mock(side_effect=DriveError("/motor_input: driven by another node"))
+    monkeypatch.setattr(identify_command, "run", refuse)
+    assert identify(capsys) == (2, "", "identify: /motor_input: driven by another node\n")
+    monkeypatch.setattr(identify_command, "run", mock.Mock(side_effect=KeyboardInterrupt))
+    assert identify(capsys) == (130, "", "")
 
 
 def test_identify_bag_with_any_two_fields_is_accepted(
@@ -103,5 +115,10 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     status, output, errors = identify(capsys, path, *fields, "--start", "1.5", "--end", "9")
     assert (status, errors) == (0, "")
     assert output.startswith("7.5 s, 751 outputs, 1 changes of the input")
+    status, _, errors = identify(capsys, path, *fields[:2], "--output", "/a/done/speed")
+    assert status == 2 and f"{path}: /a/done/speed: unknown field 'speed'" in errors
+    (tmp_path / "x.bag").write_text("no bag")
+    status, _, errors = identify(capsys, str(tmp_path / "x.bag"), *fields)
+    assert status == 2 and errors.startswith(f"identify: {tmp_path}/x.bag: ")
     status, _, errors = identify(capsys, path, *fields, "--start", "11")
     assert status == 1 and "/a/done/output is not in this part of the bag" in errors

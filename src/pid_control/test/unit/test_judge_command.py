@@ -47,6 +47,11 @@ SIMULATED = """
         (["{folder}/controller"], "is not executable: chmod +x {folder}/controller"),
         (["--only", "stairs", "x"], "unknown scenario 'stairs'; choose from held, rate"),
         (["--time-limit", "0", "x"], "'0' must be from 1 to 3600 s"),
+        (["--time-limit", "long", "x"], "'long' must be from 1 to 3600 s"),
+        (
+            ["--class", "{folder}", "--roster", "{folder}/roster.csv"],
+            "--roster: {folder}/roster.csv: line 1: must be a folder or archive, and a student",
+        ),
         (
             ["--node", "motor", "pid_control", "motor_control.launch"],
             "has no node motor; its nodes are /system",
@@ -75,6 +80,7 @@ def test_judge_invalid_request_names_the_problem(
 ) -> None:
     (tmp_path / "wrong.yaml").write_text("steps: {overshot: 5}\n")
     (tmp_path / "controller").write_text("")
+    (tmp_path / "roster.csv").write_text("anna\n")
     (tmp_path / "simulated.launch").write_text(SIMULATED)
     before = sorted(tmp_path.iterdir())
     arguments = [word.format(folder=tmp_path) for word in words]

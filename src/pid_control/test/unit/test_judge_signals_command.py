@@ -8,6 +8,8 @@ from unittest import mock
 import pytest
 
 from pid_control.commands import judge_signals, judging_command
+from pid_control.programs.package_messages import MessageTypeError
+from pid_control.programs.program_command import CommandError
 from pid_control.signal_judging.evidence import PROCESS, CourseworkEvidence
 from pid_control.signal_runner import coursework_bench
 
@@ -54,8 +56,29 @@ def test_judge_signals_invalid_request_names_the_problem(
     assert sorted(tmp_path.iterdir()) == before
 
 
+@pytest.mark.parametrize("error", [CommandError("no node"), MessageTypeError("no node")])
+def test_judge_signals_that_cannot_judge_says_why_after_its_notes(
+    error: Exception, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    bench = mock.Mock()
+    bench.return_value.run.side_effect = error
+    bench.return_value.notes = ["launch file: a.launch"]
+    monkeypatch.setattr(coursework_bench, "CourseworkBench", bench)
+    monkeypatch.setattr(coursework_bench, "find_request", mock.Mock())
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    monkeypatch.setattr(sys, "argv", ["judge_signals", "anna"])
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == ["judge: anna", "note: launch file: a.launch", "not judged: no node"]
+    assert end.value.code == 125
+    bench.return_value.close.assert_called_once_with()
+
+
 def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
-    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
 ) -> None:
     bench, find = mock.Mock(), mock.Mock()
     bench.return_value.run.return_value = CourseworkEvidence(), ""
@@ -64,7 +87,8 @@ def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
     monkeypatch.setattr(coursework_bench, "find_request", find)
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     options = ["--only", "launch", "--nodes", "a.py,b.py", "--proc-signal", "/y", "--real-time"]
-    monkeypatch.setattr(sys, "argv", ["judge_signals", *options, "--time-limit", "9", "anna", "x"])
+    options += ["--picture", str(tmp_path / "a.svg"), "--time-limit", "9"]
+    monkeypatch.setattr(sys, "argv", ["judge_signals", *options, "anna", "x"])
     with pytest.raises(SystemExit) as end:
         judge_signals.main()
     assert end.value.code == 0
@@ -73,6 +97,7 @@ def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
         programs=["a.py", "b.py"], real_time=True, time_limit=9.0, given={PROCESS: "/y"}
     )
     bench.return_value.close.assert_called_once_with()
+    assert "anna x: passed" in (tmp_path / "a.svg").read_text()
     output = capsys.readouterr().out
     assert "note: launch file: a.launch" in output
     assert "launch    nodes that no launch file starts  0" in output

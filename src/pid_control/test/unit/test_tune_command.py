@@ -57,10 +57,12 @@ def written_gains(
 
 
 def test_tune_writes_gains_with_the_limits_of_the_output(
-    written_gains: "Callable[..., Dict[str, Any]]",
+    tmp_path: pathlib.Path, written_gains: "Callable[..., Dict[str, Any]]"
 ) -> None:
-    found = written_gains("--least", "-0.5", "--largest", "0.8")
+    picture = tmp_path / "p.svg"
+    found = written_gains("--least", "-0.5", "--largest", "0.8", "--picture", str(picture))
     assert (found["output_min"], found["output_max"]) == (-0.5, 0.8)
+    assert picture.read_text().count("<polyline") == 9  # the set point, and two of each method
 
 
 def test_tune_uses_the_period_and_the_wanted_time_constant(

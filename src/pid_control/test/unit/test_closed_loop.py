@@ -112,6 +112,13 @@ def test_table_and_picture_have_each_method() -> None:
         assert method in picture
 
 
+def test_response_that_begins_within_the_band_is_settled_from_the_start() -> None:
+    gains = Gains(SIMC, "", PI, 1.0, 1.0)
+    response = closed_loop.Response(gains, [0.0, 1.0, 2.0], [2.0, 2.01, 2.0], [0.0] * 3, 2.0)
+    assert (response.settling_time, response.rise_time) == (0.0, 0.0)
+    assert response.overshoot == pytest.approx(0.005)
+
+
 def test_picture_shows_the_set_point_for_the_longest_response() -> None:
     gains = Gains(SIMC, "", PI, 1.0, 1.0)
     short, long = (

@@ -165,6 +165,11 @@ def test_read_step_ignores_a_larger_but_short_step() -> None:
     reading = read_step(record)
     assert reading is not None and (reading.before, reading.after) == (0.0, 0.5)
     # A step in the dead zone has no gain.
+    # Nor is one read if the outputs before it are missing.
+    late = answered([(0.0, 0.0), (1.0, 1.0)], SLOW, 9.0)
+    kept = late.times >= 1.0
+    late = late._replace(times=late.times[kept], outputs=late.outputs[kept])
+    assert read_step(late) is None
     changes = [(0.0, 0.0), (1.0, 0.1), (6.0, 1.0), (6.5, 0.0)]
     assert read_step(answered(changes, Model(2.0, 1.0, 0.0, 0.2), 7.0)) is None
 

@@ -125,7 +125,10 @@ def test_judge_p_controller_reports_no_integral() -> None:
         ),
         ({("held", "standstill_answers"): 20.0}, "held", "late", "machine clock"),
         ({("held", "standstill_answers"): 20.0}, "held", "kick", "machine clock"),
+        ({("held", "standstill_answers"): 1.0}, "held", "kick", "derivative kick"),
         ({("rate", "standstill_jump"): 0.3}, "rate", "standstill_jump", "machine clock"),
+        ({("rate", "standstill_jump"): 0.3}, "held", "late", "machine clock"),
+        ({("rate", "standstill_jump"): 0.3}, "held", "kick", "derivative kick"),
         ({("held", "late"): 1.0}, "steps", "late", "too seldom"),
         ({("held", "late"): 1.0}, "steps", "settling_time", "too seldom"),
         ({("steps", "late"): 1.0}, "steps", "settling_time", "too seldom"),
@@ -170,6 +173,17 @@ def test_cause_of_evidence_decides_between_rivals() -> None:
     for beyond, side in ((("above", "below"), ""), (("above",), " above"), (("below",), " below")):
         cause = cause_of("steps", "peak_input", {}, measured._replace(beyond=beyond))
         assert cause.sentence == f"the input is not limited{side}: keep it within -1 and 1"
+    for topic in ("set_point", "motor_output"):
+        inverse = measured._replace(wrong_signs=(topic,))
+        for metric in ("set_point_response", "output_response", "settling_time"):
+            cause = cause_of("held", metric, {}, inverse)
+            assert cause.sentence.startswith(f"the sign of {topic} is wrong: ")
+    derivative = measured._replace(was_probed=True, has_derivative=True)
+    cause = cause_of("steps", "chatter", {}, derivative)
+    assert (cause.flaw, cause.sentence) == (
+        "chatter",
+        "the input chatters: one of: unsuitable kp, ki or kd, or a derivative without a filter",
+    )
     lacking = measured._replace(was_probed=True, lacks_integral=True)
     for metric, flaw in (
         ("rise_time", "no integral"),

@@ -203,9 +203,10 @@ def test_responses_of_an_input_that_switches_are_not_measured() -> None:
     assert figure(record, "output_response") is None
 
 
-def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> None:
+@pytest.mark.parametrize("ki", [1.5, 0.05])
+def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not(ki: float) -> None:
     def make_kicking() -> Law:
-        law, before = pi()(), [0.0]
+        law, before = pi(ki=ki)(), [0.0]
 
         def answer(set_point: float, output: MotorOutput) -> float:
             error = set_point - output.speed
@@ -215,7 +216,7 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> Non
         return answer
 
     assert figure(play_one("held", make_kicking), "kick") == pytest.approx(0.2, abs=0.01)
-    assert figure(play_one("held", pi()), "kick") < 0.001
+    assert figure(play_one("held", pi(ki=ki)), "kick") < 0.001
 
 
 def jumped(record: Record, *spans: float) -> Record:

@@ -102,6 +102,22 @@ def test_find_coursework_given_launch_file_gets_its_arguments() -> None:
         find_coursework(folder, ["x.py"], dict(ENVIRONMENT))
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (node("process.py"), "a.launch: starts 1 node of it$"),
+        (node("process.py") + node("talker.py"), "^talker.py: not found in the package"),
+        ('<arg name="x" value="$(eval 1/0)"/>', "a.launch: .*division by zero"),
+    ],
+)
+def test_find_coursework_given_launch_file_that_cannot_be_used_is_refused(
+    text: str, says: str, tmp_path: pathlib.Path
+) -> None:
+    folder = package(tmp_path, {"a.launch": text}, "process.py", "signal.py")
+    with pytest.raises(CommandError, match=says):
+        find_coursework(folder, ["a.launch"], dict(ENVIRONMENT))
+
+
 def test_find_coursework_without_launch_file_takes_programs_by_name(
     tmp_path: pathlib.Path,
 ) -> None:
@@ -209,6 +225,17 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
         find_coursework(folder, [], dict(ENVIRONMENT))
     found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
     assert [node.program for node in found.nodes] == ["a.py", "b.py"]
+    with pytest.raises(CommandError, match=r"c\.py: not found in the package \("):
+        find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "c.py"])
+    # A Python program that is not executable is started all the same; another is not.
+    (tmp_path / "scripts" / "b.py").chmod(0o644)
+    found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
+    assert [one for one in found.notes if "not executable" in one] == [
+        f"{folder}/scripts/b.py: not executable; started with python3"
+    ]
+    (tmp_path / "scripts" / "b").write_bytes(b"\x7fELF")
+    with pytest.raises(CommandError, match=r"scripts/b is not executable: chmod \+x "):
+        find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b"])
 
 
 def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> None:

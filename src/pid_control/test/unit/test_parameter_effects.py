@@ -107,6 +107,7 @@ def test_is_number_excludes_truth_values() -> None:
         (with_sine(phase=2.0, periods=9.0), set()),  # depends on when it starts
         (BEFORE._replace(signal=SignalFeatures(12.0, BEFORE.signal.sine)), {GENERATOR}),
         (BEFORE._replace(signal=SignalFeatures(10.0, None)), {GENERATOR}),
+        (BEFORE._replace(signal=SignalFeatures(None, BEFORE.signal.sine)), {GENERATOR}),
         (with_process(gain=0.6), {PROCESS}),
         (with_process(shifts=(1.2, 1.2)), {PROCESS}),
         (with_process(shifts=(1.2, 1.0)), set()),
@@ -137,6 +138,8 @@ def test_changed_nodes_names_nodes_with_different_features(
         ("offset", GENERATOR, (0.0, 0.5), BEFORE, False),
         ("phase", GENERATOR, (0.0, 0.5), with_sine(phase=0.6), False),
         ("rate", GENERATOR, (10, 20), BEFORE._replace(signal=SignalFeatures(20.0, None)), True),
+        ("rate", GENERATOR, (10, 20), BEFORE._replace(signal=SignalFeatures(None, None)), False),
+        ("offset", GENERATOR, (0, 1), BEFORE._replace(signal=SignalFeatures(10.0, None)), False),
         ("gain", PROCESS, (0.5, 0.7), with_process(gain=0.7), True),
         ("gain", PROCESS, (0.0, 0.7), with_process(gain=0.7), False),
         ("rate", PROCESS, (10, 20), with_process(rate=20.0), True),

@@ -85,6 +85,19 @@ def test_good_coursework_needs_one_trial_of_a_copy() -> None:
     assert found.value_of(PROCESS, "phase_shift") == ("/process_angle", 1.2)
 
 
+def test_parameters_of_a_package_that_cannot_be_copied_are_tried(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr(shutil, "copytree", fail)
+    found, trials, _ = tried(COURSEWORKS / "wave_loops", wave_loops)
+    assert (found.read_by(GENERATOR), found.read_by(PROCESS)) == (2, 3)
+    says = "YAML files: not changed, because the package cannot be copied (disk full)"
+    assert trials.notes == [says] and dict(found.unused_files) == {}
+
+
 def test_files_of_the_student_are_not_changed() -> None:
     file = COURSEWORKS / "wave_loops" / "config" / "params.yaml"
     before = file.read_text()

@@ -131,6 +131,12 @@ def test_coursework_bench_has_the_notes_of_the_latest_coursework_and_ends_its_ma
         bench._bench.use_classes.assert_called_with({} if is_built_here else classes)
         assert is_built or has_it.call_args == mock.call("/anna", "anna", classes)
         assert found.call_args[0][2] == {"PYTHONPATH": path} and bench.notes == ["of the session"]
+    # One without messages needs none.
+    generate.reset_mock()
+    found.side_effect = [mock.Mock(notes=[])]
+    monkeypatch.setattr(coursework_bench, "definitions", lambda _: {})
+    bench.run(CourseworkRequest("/anna", [], [], {}))
+    assert not generate.called and bench._bench.use_classes.call_args == mock.call({})
     bench._master.is_running.return_value = False
     found.side_effect = [mock.Mock(notes=[])]
     with pytest.raises(JudgingError, match="the judge's own master ended"):

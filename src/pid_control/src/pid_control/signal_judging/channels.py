@@ -50,10 +50,8 @@ class Channel(NamedTuple):
         return (len(self.times) - 1) / (self.times[-1] - self.times[0])
 
     def is_regular(self) -> bool:
-        """Return True if nearly all messages come at the same interval."""
+        """Return True if nearly all of several messages come at the same interval."""
         steps = sorted(after - before for before, after in zip(self.times, self.times[1:]))
-        if not steps:
-            return True
         return steps[int(_MOST * len(steps))] <= _LONGER * steps[len(steps) // 2]
 
 

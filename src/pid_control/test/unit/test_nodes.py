@@ -80,11 +80,12 @@ def test_motor_speed_jumps_only_to_a_changed_initial_condition(
     assert speed_of(node) == pytest.approx(6.0 * 0.1353, rel=1e-3)
 
 
-@pytest.mark.parametrize("late, delay", [(-50.0, 0.3), (50.0, 0.301)])
+@pytest.mark.parametrize("late, delay", [(-50.0, 0.3), (50.0, 0.4)])
 def test_motor_input_acts_between_two_outputs_whatever_the_clock_does(
     late: float, delay: float, clock: Clock, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    motor, node = motor_of(SystemParameters(system_dead_time=0.3), monkeypatch)
+    values = SystemParameters(system_dead_time=0.3, system_node_rate=10.0)
+    motor, node = motor_of(values, monkeypatch)
     motor._publish(1.0)
     clock.now += late
     motor._on_input(motor_input(1.0, 0.0))
@@ -134,6 +135,12 @@ def test_set_point_has_its_time_and_the_stop_value_once() -> None:
     ends._publish(0.7)
     ends._end()
     assert publish.call_args_list[2:] == [mock.call(-1.0, 0.7)] * 2
+    runs = SetPointGenerator(node)
+    runs._source = mock.Mock()
+    runs._source.sample.side_effect = lambda time, _: mock.Mock(value=10.0 * time)
+    for time in (0.5, 3.0):  # half a second after its delay
+        runs._publish(time)
+    assert publish.call_args_list[4:] == [mock.call(-1.0, 0.5), mock.call(5.0, 3.0)]
 
 
 class ControllerRig:
@@ -176,6 +183,20 @@ def test_controller_continues_from_its_last_input_after_missing_outputs(
     assert said == ([] if grows else ["no sample for more than 0.5 s before 2 s"])
 
 
+def test_controller_continues_from_its_last_input_after_a_restart_of_the_motor(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    warn = mock.Mock()
+    monkeypatch.setattr("rospy.logwarn", warn)
+    rig = ControllerRig(clock, kp=0.08, ki=1.0)
+    rig.node.resolve.side_effect = "/{}".format
+    for time in (5.0, 5.01, 5.02):
+        [(before, _)] = rig.sent(time, 1.0)
+    [(after, stamp)] = rig.sent(0.0, 0.0)
+    assert after == pytest.approx(before) and stamp == 0.0 and rig.sent(0.01)[0][0] > after
+    assert [call[0][0] for call in warn.call_args_list] == ["%s: the motor was restarted"]
+
+
 def test_controller_terms_have_the_error_and_the_time_of_their_output(clock: Clock) -> None:
     rig = ControllerRig(clock, kp=0.1, ki=0.0)
     rig.publisher.get_num_connections.return_value = 1
@@ -208,6 +229,22 @@ def test_controller_silent_motor_gets_0_once_and_then_a_first_input(clock: Clock
     assert rig.heard() == [(0.0, 0.01)]
     # Its stamps do not say for how long.
     assert rig.sent(0.3) == [(pytest.approx(0.4), 0.3)]
+
+
+def test_nodes_drop_values_that_are_not_finite_and_an_inactive_one_sends_nothing(
+    clock: Clock, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    rig = ControllerRig(clock)
+    _, motor = motor_of(SystemParameters(), monkeypatch)
+    subscriptions = [one.create_subscription.call_args_list for one in (rig.node, motor)]
+    assert [[call[0][0] for call in calls] for calls in subscriptions] == [
+        ["set_point", "motor_output"],
+        ["motor_input"],
+    ]
+    assert all(call[1] == {"finite": True} for calls in subscriptions for call in calls)
+    rig.controller = Controller(rig.node)  # a managed one has no timer before its activation
+    rig.controller._on_set_point(set_point(4.0, 0.0))
+    assert rig.sent(0.01) == []
 
 
 def test_controller_notices_a_silent_motor_soon_after_the_timeout(clock: Clock) -> None:
@@ -397,6 +434,29 @@ def test_identify_element_of_an_array_is_an_output(monkeypatch: "pytest.MonkeyPa
     monkeypatch.setattr("rospy.get_time", lambda: 2.0)
     experiment._on_output(Float64MultiArray(data=[1.0, 2.5]))
     assert experiment._outputs.values == [2.5]
+    abort = mock.Mock()
+    monkeypatch.setattr(live_experiment, "abort", abort)
+    experiment._on_output(Float64MultiArray(data=[1.0]))
+    [(why,)] = [call[0] for call in abort.call_args_list]
+    assert "'data[1]' is not an element of an array" in why and experiment._has_ended
+
+
+def test_identify_that_is_ended_early_stops_the_plant(monkeypatch: "pytest.MonkeyPatch") -> None:
+    experiment, node = experiment_on(monkeypatch)
+    abort = mock.Mock()
+    monkeypatch.setattr(live_experiment, "abort", abort)
+    monkeypatch.setattr("rospy.get_time", lambda: 2.0)
+    experiment._on_output(motor_output(1.0, 0.5, ""))
+    for time in (0.0, 2.0):
+        experiment._send(time)
+    publish = node.create_publisher.return_value.publish
+    count = publish.call_count
+    for _ in range(2):
+        experiment._end()
+        experiment._send(4.0)
+        experiment._check_silence(0.0)
+    assert publish.call_count == count + 1 and publish.call_args[0][0].input == 0.0
+    abort.assert_called_once_with("ended before the record was complete")
 
 
 def test_input_of_identify_has_the_time_of_the_latest_output(

@@ -238,6 +238,16 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
         find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b"])
 
 
+def test_find_coursework_named_programs_are_the_only_ones_of_a_launch_file(
+    tmp_path: pathlib.Path,
+) -> None:
+    names = ["talker.py", "process.py", "signal.py"]
+    folder = package(tmp_path, {"a.launch": "".join(map(node, names))}, *names)
+    found = find_coursework(folder, [], dict(ENVIRONMENT), ["signal.py", "process.py"])
+    assert [node.program for node in found.nodes] == ["process.py", "signal.py"]
+    assert "not started: talker.py of anna" in found.notes
+
+
 def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> None:
     found = good("wave_loops")
     names = dict(found.names_in_source(found.nodes[0].command.name))

@@ -104,7 +104,7 @@ def test_frequency_of_the_messages_may_be_in_hz(frequency: float) -> None:
 
 
 def test_depth_below_zero_is_a_share_of_the_outputs_amplitude() -> None:
-    judgement = judged(evidence(output=lambda time: math.sin(2.0 * time + 1.0) + 0.5))
+    judgement = judged(evidence(output=lambda time: 2.0 * math.sin(2.0 * time + 1.0) + 1.0))
     figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
     assert figures["process", "below_zero"] == pytest.approx(0.5, abs=0.01)
 
@@ -373,6 +373,7 @@ def test_broken_trial_is_a_failure(broken: FailedTrial, flaw: str, says: str) ->
     judgement = judge(found, LIMITS, ["signal", "process"])
     assert (judgement.verdict, judgement.flaws()) == (FAILED, [flaw])
     assert says in judgement.failures[0].cause.sentence
+    assert judgement.failures[0][:2] == ("signal", broken.flaw)
 
 
 def test_nodes_that_are_not_connected_come_before_a_missing_launch_file() -> None:

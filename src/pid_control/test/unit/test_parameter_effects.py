@@ -100,6 +100,7 @@ def test_is_number_excludes_truth_values() -> None:
     ("after", "nodes"),
     [
         (BEFORE, set()),
+        (BEFORE._replace(signal=SignalFeatures(10.1, BEFORE.signal.sine)), set()),
         (with_sine(amplitude=2.2), {GENERATOR}),
         (with_sine(frequency=3.1), {GENERATOR}),
         (with_sine(offset=0.1), {GENERATOR}),

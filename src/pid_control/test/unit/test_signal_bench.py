@@ -131,6 +131,9 @@ def test_coursework_bench_has_the_notes_of_the_latest_coursework_and_ends_its_ma
         bench._bench.use_classes.assert_called_with({} if is_built_here else classes)
         assert is_built or has_it.call_args == mock.call("/anna", "anna", classes)
         assert found.call_args[0][2] == {"PYTHONPATH": path} and bench.notes == ["of the session"]
+    with monkeypatch.context() as patch, pytest.raises(MessageTypeError, match="<name> must be"):
+        patch.setattr(coursework_bench, "package_name", lambda _: "../anna")
+        bench.run(CourseworkRequest("/anna", [], [], {}))
     # One without messages needs none.
     generate.reset_mock()
     found.side_effect = [mock.Mock(notes=[])]

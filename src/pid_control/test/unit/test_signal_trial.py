@@ -1,6 +1,7 @@
 """Tests of the runs of a coursework: a trial's nodes, and a session's records and clock."""
 
 import contextlib
+import itertools
 import math
 import pathlib
 from typing import Any, Dict, Iterator, List, Optional, Tuple, Type
@@ -15,7 +16,7 @@ from pid_control.signal_runner import signal_session
 from pid_control.signal_runner import trial as trial_module
 from pid_control.signal_runner.coursework import Coursework, find_coursework
 from pid_control.signal_runner.signal_session import SignalSession
-from pid_control.signal_runner.trial import Trial, TrialError
+from pid_control.signal_runner.trial import NotConnectedError, Trial, TrialError
 from pid_control.verdicts.judgement import NOT_JUDGED, PASSED
 from played_coursework import Loop, Played, PlayedNode, generator, process
 
@@ -228,6 +229,23 @@ def echo(node: PlayedNode) -> Iterator[None]:
         kept.append(node.latest("signal"))
         node.publish("proc_signal", 1.0 + 0.5 * kept.pop(0))
         yield
+
+
+def disturbed(node: PlayedNode) -> Iterator[None]:
+    """Publish a sine, but every third value is missing in the first run of both nodes."""
+    begin, is_first = node.time(), len(node.machine.commands) <= 2
+    for number in itertools.count():
+        is_lost = is_first and number % 3 == 0
+        node.publish("time", node.time() - begin)
+        node.publish("signal", 0.0 if is_lost else math.sin(3.0 * (node.time() - begin)))
+        yield
+
+
+def test_record_that_a_busy_machine_distorted_is_repeated(monkeypatch: pytest.MonkeyPatch) -> None:
+    played = Played(monkeypatch, "signal", signal_generator=disturbed, process=echo)
+    judgement = played.judge()
+    assert judgement.verdict == PASSED, judgement.failures
+    assert "a record was repeated, because its distortion was" in played.session.notes[-1]
 
 
 def buffered(node: PlayedNode) -> Iterator[None]:
@@ -455,3 +473,61 @@ def test_judgement_ends_at_its_time_limit_and_on_a_late_machine(
         late.machine.late_from = 0 if scenario == "signal" else 2
         with pytest.raises(BusyMachineError, match=r"the judge itself was 0\.[1-9]\d\d s late"):
             late.judge()
+
+
+def test_node_that_cannot_be_started_or_is_not_connected_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start = mock.Mock(side_effect=OSError(8, "Exec format error"))
+    monkeypatch.setattr(trial_module, "ProgramProcess", start)
+    bench = mock.Mock()
+    node = good("sine_classes").nodes[0]
+    trial = Trial(bench, mock.Mock(), [node], {}, 0.0, group="/group")
+    with pytest.raises(TrialError) as error:
+        trial.start_node(node)
+    found = error.value
+    assert (found.flaw, found.node, found.words) == ("crash", "/lab/processor", "Exec format error")
+    pair = mock.Mock(inputs={"/a": "F", "/b": "F"}, outputs={"/y": "F"}, others={"/z": "F"})
+    pair.process.global_name = "/lab/processor"
+    bench.links_of.return_value = {"/a", "/clock"}
+    monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
+    with pytest.raises(NotConnectedError, match="^/lab/processor does not receive /b$"):
+        trial.connect(pair)
+    bench.listen.assert_called_once_with({"/a": "F", "/b": "F", "/y": "F", "/z": "F"})
+    bench.links_of.assert_called_with("/group/lab/processor")
+    bench.links_of.return_value = {"/a", "/b"}
+    trial.connect_again(pair)
+
+
+def test_program_without_the_clock_is_started_after_a_while(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As one without ROS; with its process the trial ends at once."""
+    now = [50.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda seconds: now.append(now.pop() + seconds))
+    bench = mock.Mock()
+    bench.clock_listeners.return_value = 0
+    trial = Trial(bench, mock.Mock(), [], {}, 0.0)
+    process = mock.Mock(status=None, writes_without_end=False)
+    process.watch.is_idle.side_effect = [False] * 150 + [True] * 9
+    trial._running["/a"] = process
+    trial._wait_for_clock()
+    assert 1.4 < now[0] - 50.0 < 1.7 and bench.set_clock.called
+    process.status = 1
+    process.watch.is_idle.side_effect = None
+    process.watch.is_idle.return_value = False
+    process.last_words.return_value = "SyntaxError: x"
+    with pytest.raises(TrialError) as error:
+        trial._wait_for_clock()
+    assert (error.value.node, error.value.words) == ("/a", "SyntaxError: x")
+
+
+def test_loop_faster_than_the_finest_step_is_not_judged() -> None:
+    session = session_of("signal")
+    session.evidence.baseline = mock.Mock()
+    session.evidence.baseline.signal.rate.return_value = 4000.0
+    session.evidence.baseline.output.rate.return_value = None
+    session._step = signal_session._FINEST_S
+    with pytest.raises(JudgingError, match="more than 4000 messages per second; lower the rate"):
+        session._is_too_fast()

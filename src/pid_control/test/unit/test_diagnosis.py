@@ -249,8 +249,9 @@ def test_answers_that_are_late_by_several_turns_are_those_of_their_law() -> None
         assert (fit.gain, fit.growth) == pytest.approx((0.08, 1.5), rel=0.01)
 
 
-def test_rate_is_adapted_to_a_controller_that_answers_only_the_motor() -> None:
-    held = play_one("held", without("set_point"))
+@pytest.mark.parametrize("topic", ["set_point", "motor_output"])
+def test_rate_is_adapted_to_a_controller_that_answers_one_topic(topic: str) -> None:
+    held = play_one("held", without(topic))
     wanted = scaled(BY_NAME["rate"], 0.08, 1.5)
     largest = [max(one.set_point) for one in (wanted, adapted(BY_NAME["rate"], [held]))]
     assert largest[0] == pytest.approx(largest[1])

@@ -391,6 +391,8 @@ def test_the_picture_shows_every_scenario_and_marks_failures() -> None:
 def heights_of_input(record: Record) -> List[float]:
     """Return the heights of the points of the input's curve in the picture of a scenario."""
     panel = ElementTree.fromstring(as_svg([record], "title", [])).find(f"{SVG}g")
+    tops = [one.get("transform").split()[1].rstrip(")") for one in panel.findall(f"{SVG}g")]
+    assert float(tops[0]) > 16.0 and float(tops[1]) - float(tops[0]) > 90.0 + 16.0
     points = list(panel.iter(f"{SVG}polyline"))[2].get("points").split()
     return [float(point.split(",")[1]) for point in points]
 

@@ -405,6 +405,7 @@ def test_session_with_its_own_plant_has_all_notes_and_leaves_nothing(
             session.judge_with_own_plant(False)
     assert bench.call_args[0][0] == {"a": "own", "b": "given"}
     assert runner.call_args[0][2] is master.return_value.environment
+    assert [call[0][0] for call in runner.return_value.run.call_args_list] == [BY_NAME["ramp"]]
     assert session.notes == ["found", "own", "followed"]
     master.return_value.close.assert_called_once_with()
 
@@ -467,10 +468,12 @@ def test_judged_controller_has_all_gains_and_the_limits_of_its_output(
     master = mock.Mock()
     monkeypatch.setattr(gains_judgement, "PrivateMaster", master)
     monkeypatch.setattr(gains_judgement, "find_controller", find)
+    monkeypatch.setattr("time.monotonic", lambda: 50.0)
     gains = Gains("x", "a test", "PID", 0.5, 0.25, 0.125, 0.01)
     bench_runner.BenchRunner.return_value.run.side_effect = TimeLimitExceeded
     [(_, said)] = judge_gains([gains], [BY_NAME["ramp"]], 9.0, least=-0.5, largest=0.75)
     assert said == "not judged: 9 s are over"
+    assert bench_runner.BenchRunner.call_args[0][4] == 59.0
     master.return_value.close.assert_called_once_with()
     [words] = find.call_args[0]
     assert words[:2] == ["pid_control", "controller.py"]

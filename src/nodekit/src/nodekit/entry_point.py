@@ -17,7 +17,7 @@ def main(node: str) -> None:
     """
     try:
         _replace_closed_output()
-        with _ended_by_interrupt():
+        with ended_by_interrupt():
             import_ros()
             _check_namespace()
             module = importlib.import_module(node)
@@ -83,17 +83,19 @@ def _replace_closed_output() -> None:
 
 
 @contextlib.contextmanager
-def _ended_by_interrupt() -> Iterator[None]:
-    """End the process immediately on Ctrl-C.
+def ended_by_interrupt(status: int = 0) -> Iterator[None]:
+    """End the process immediately on Ctrl-C, while the block imports modules.
 
     Many imported modules treat any exception as a missing optional module: a KeyboardInterrupt
-    could be lost there, and the node would start after all.
+    could be lost there, and the node would start after all. numpy makes an ImportError of it.
+
+    :param status: exit status
     """
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # ignored, as in the background of a script
         yield
         return
-    signal.signal(signal.SIGINT, lambda *_: os._exit(0))
+    signal.signal(signal.SIGINT, lambda *_: os._exit(status))
     try:
         yield
     finally:

@@ -80,23 +80,27 @@ class JudgeFaults(JudgeCase):
         wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
 
     def test_judge_ctrl_c_during_import_prints_no_traceback(self) -> None:
-        judge = subprocess.Popen(
+        environment = self.environment()
+        # numpy makes an ImportError of Ctrl-C in the middle of its import.
+        (self.folder / "numpy").mkdir()
+        (self.folder / "numpy" / "__init__.py").write_text(
+            "import os, signal\n"
+            "try:\n"
+            "    os.kill(os.getpid(), signal.SIGINT)\n"
+            "    signal.sigpending()\n"
+            "except KeyboardInterrupt:\n"
+            "    raise ImportError('numpy.core') from None\n"
+        )
+        environment["PYTHONPATH"] = f"{self.folder}:{environment['PYTHONPATH']}"
+        judge = subprocess.run(
             [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
-            env={**self.environment(), "PYTHONPROFILEIMPORTTIME": "1"},
-            stdout=subprocess.DEVNULL,
+            env=environment,
+            stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             universal_newlines=True,
+            timeout=LONG_S,
         )
-        self.addCleanup(judge.kill)
-        assert judge.stderr is not None
-        for line in judge.stderr:  # each names a module that has been imported
-            if line.split()[-1] == "pid_control.output_files":
-                break
-        judge.send_signal(signal.SIGINT)
-        _, errors = judge.communicate(timeout=LONG_S)
-        self.assertNotIn("Traceback", errors)
-        self.assertNotIn("rospy.core", errors)  # it was not too late
-        self.assertEqual(judge.returncode, 130)
+        self.assertEqual((judge.returncode, judge.stdout, judge.stderr), (130, "", ""))
 
 
 if __name__ == "__main__":

@@ -71,6 +71,9 @@ def set_one(ros: both.Both, name: str, plain: Any, node: str = GENERATOR) -> Any
 def test_list_and_types(ros: both.Both, generator: both.Running) -> None:
     result = ros.call2(ListParameters, f"{GENERATOR}/list_parameters").result
     assert {"amplitude", "frequency", "waveform"} <= set(result.names)
+    listing = {"prefixes": ["no_such_thing"]}
+    result = ros.call2(ListParameters, f"{GENERATOR}/list_parameters", **listing).result
+    assert (list(result.names), list(result.prefixes)) == ([], [])
     names = ["amplitude", "waveform"]
     types = ros.call2(GetParameterTypes, f"{GENERATOR}/get_parameter_types", names=names).types
     assert list(types) == [ParameterType.PARAMETER_DOUBLE, ParameterType.PARAMETER_STRING]
@@ -563,6 +566,16 @@ def test_value_that_a_node_of_ros2_does_not_take_has_a_reason(
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._kinds, mirror._set = {"gain": INTEGER}, SimpleNamespace(call=call)
     assert mirror._send("gain", plain) == why
+
+
+def test_value_that_a_node_takes_late_is_published(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(parameter_services, "_PAUSE_S", 0.0)
+    parameters: Any = ParametersToRos2.__new__(ParametersToRos2)
+    parameters._lock, parameters._again = threading.Lock(), False
+    parameters._server, reads = {"gain": 3}, iter([{"gain": 2}] * 10 + [{"gain": 3}, {"gain": 4}])
+    parameters._publish_changes = lambda: next(reads)
+    parameters._publish_until_in_force()
+    assert next(reads) == {"gain": 4} and not parameters._is_reading
 
 
 def test_parameter_that_no_node_describes_may_change_its_type() -> None:

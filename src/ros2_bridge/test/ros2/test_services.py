@@ -313,14 +313,20 @@ def test_request_that_ros1_cannot_represent_is_answered_with_the_reason() -> Non
     answered = SimpleNamespace(result=lambda: SimpleNamespace(_buff=b""))
     pair._wait(answered, sent.append)  # the same of its response
     assert [(one.success, one.message) for one in sent] == [(False, "a time before 1970")] * 2
-    texts = dict.fromkeys(("status_message", "message"), "string")  # as controllers answer
+    # As controllers and cameras answer.
+    for names, of_reason in (
+        (["status_message", "message"], "message"),
+        (["status_message"], "status_message"),
+        (["reason"], "reason"),
+    ):
+        known = {"success": "boolean", **dict.fromkeys(names, "string")}
 
-    class Both:
-        get_fields_and_field_types = staticmethod(lambda: {"success": "boolean", **texts})
+        class Failed:
+            get_fields_and_field_types = staticmethod(lambda known=known: known)
 
-    pair.kind.cls = SimpleNamespace(Response=Both)
-    pair._fail(sent.append, "it is off")
-    assert vars(sent[-1]) == {"message": "it is off"}
+        pair.kind.cls = SimpleNamespace(Response=Failed)
+        pair._fail(sent.append, "it is off")
+        assert vars(sent[-1]) == {of_reason: "it is off"}
 
 
 def test_calls_without_an_answer_leave_nothing() -> None:

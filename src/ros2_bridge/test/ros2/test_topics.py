@@ -1,6 +1,7 @@
 """Topics, both ways."""
 
 import contextlib
+import ctypes
 import math
 import pathlib
 import struct
@@ -498,12 +499,16 @@ def test_messages_to_ros2_are_counted(ros: both.Both) -> None:
     assert pair.counts() == TopicCounts(passed=1, refused=1, thinned=1, held=9 * 8)
 
 
-def test_message_without_a_number_is_not_counted_as_lost(
+def test_message_has_its_own_bytes_and_a_number_only_if_it_was_given_one(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     codes = [(0, 7), (0, 2**64 - 1), (401, 0), (1, 0)]
+    memory = ctypes.create_string_buffer(b"now, and what a longer one has left")
 
-    def take(_: Any, __: Any, info: Any, ___: Any) -> int:
+    def take(_: Any, buffer: Any, info: Any, ___: Any) -> int:
+        taken = buffer._obj
+        taken.buffer = ctypes.addressof(memory)
+        taken.buffer_length, taken.buffer_capacity = 3, len(memory)
         code, info._obj.publication_sequence_number = codes.pop(0)
         return code
 
@@ -512,6 +517,7 @@ def test_message_without_a_number_is_not_counted_as_lost(
     handle = SimpleNamespace(pointer=0, get_topic_name=lambda: "/level")
     first, second, none = (taker.take(handle) for _ in range(3))
     assert first and second and (first.number, second.number, none) == (7, None, None)
+    assert first.data == b"now"
     with pytest.raises(RuntimeError, match="cannot take a message of /level: 1"):
         taker.take(handle)
 

@@ -245,11 +245,12 @@ def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
 def test_cancellation_of_unknown_goal_is_not_sent(clients: Clients) -> None:
     assert clients.cancel(ONE) is None
     clients.send(ONE)
+    assert clients.cancel(ONE) is None  # it has not been accepted
     clients.end(ONE, Ros1Status.SUCCEEDED)
     assert clients.cancel(ONE) is None
-    assert clients.cancelled == [(UNKNOWN_GOAL, []), (GOAL_IS_OVER, [])]
+    assert clients.cancelled == [(UNKNOWN_GOAL, [])] * 2 + [(GOAL_IS_OVER, [])]
     assert clients.cancel(TWO, 5) == text_of(TWO)  # those until then, and this one if it comes
-    assert clients.cancelled[2:] == [(DONE, [])]
+    assert clients.cancelled[3:] == [(DONE, [])]
 
 
 def test_server_that_goes_takes_all_goals_with_it(clients: Clients) -> None:

@@ -1,6 +1,7 @@
 """Tests of the causes that the judge names: laws with known faults, and correct laws."""
 
 import math
+import re
 from typing import Any, Callable, Dict, List
 
 import pytest
@@ -163,7 +164,10 @@ def test_judge_names_no_false_cause(make: Callable[[], Law]) -> None:
 def test_judge_reports_an_unknown_cause(make: Callable[[], Law]) -> None:
     judgement = judged(make)
     assert judgement.flaws() == ["unexplained"], as_sentences(judgement)
-    assert all("one of: " in failure.cause.sentence for failure in judgement.failures)
+    sentences = [failure.cause.sentence for failure in judgement.failures]
+    assert all("one of: " in sentence for sentence in sentences)
+    for gains in re.findall(r"kp (\S+) and ki (\S+)/s", " ".join(sentences)):
+        assert float(gains[0]) < float(gains[1])  # as those of all three
 
 
 def test_judge_constant_interval_of_a_loop_that_catches_up_is_a_fact() -> None:

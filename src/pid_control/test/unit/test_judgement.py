@@ -418,7 +418,7 @@ def test_picture_of_a_held_motor_shows_small_answers() -> None:
 def test_batch_page_counts_verdicts_and_escapes_html() -> None:
     rows = [
         {"controller": "a/<b>", "verdict": PASSED, "flaws": "", "why": ""},
-        {"controller": "c", "verdict": FAILED, "flaws": "windup, gains", "why": "<script>"},
+        {"controller": "c", "verdict": FAILED, "flaws": "gains, windup", "why": "<script>"},
         {"controller": "d", "verdict": NOT_JUDGED, "flaws": "", "why": "no"},
         {"controller": "e", "verdict": FAILED, "flaws": "windup", "why": "&"},
     ]

@@ -15,6 +15,13 @@ def test_saved_model_is_loaded_by_the_node() -> None:
     found = identify(recorded(Model(13.1, 0.04, 0.01, 0.1, 9.0)))
     text = as_yaml(found, "a\nrecord")
     assert text.startswith("# Identified from a record.\n")
+    found = found._replace(test=found.test._replace(is_noise=False, follows_input=True))
+    doubts = [line for line in as_yaml(found, "").splitlines() if line.startswith("# +- ")]
+    start = "# +- does not hold in 95 of 100: the residual"
+    assert doubts == [
+        f"{start} follows the input, so the model lacks a term.",
+        f"{start} is not noise.",
+    ]
     for one, other in zip(read_model(text), found.model):
         assert one == pytest.approx(other, rel=1e-5)
     values = {name: float(value) for name, value in _pairs(text)}

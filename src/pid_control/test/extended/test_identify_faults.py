@@ -2,6 +2,7 @@
 """Tests of rare faults of identify and tune: a silent motor, a missing field, Ctrl-C."""
 
 import os
+import pathlib
 import signal
 
 import rospy
@@ -32,7 +33,12 @@ class IdentifyFaults(IdentifyCase):
         model = self.file("model.yaml")
         os.mkfifo(model)
         command = self.start("tune", model, "--gains", self.file("gains.yaml"))
-        with open(model, "w"):  # from here on it waits for the content
+        with open(model, "w"):
+            # Ctrl-C just before it begins to wait for the content would be noticed with that only.
+            state = pathlib.Path(f"/proc/{command.popen.pid}/stat")
+            wait_until(
+                lambda: state.read_text().rpartition(")")[2].split()[0] == "S", state.read_text
+            )
             self.assertEqual(command.interrupt(), 130)
         self.assertFalse(command.logged("Traceback"))
         self.assertEqual(os.listdir(self.folder), ["model.yaml"])

@@ -97,8 +97,14 @@ class Plots(PageTest):
             lambda: self.browser.text("#over-time"),
         )
         self.restore()  # it is in the address
-        wait_until(lambda: varied("rate", "count") > 4, lambda: self.browser.text("#over-time"))
-        before = varied("rate", "count")
+        counts = [math.nan]
+
+        def are_several() -> bool:
+            counts.append(varied("rate", "count"))
+            return counts[-1] > 4
+
+        wait_until(are_several, lambda: self.browser.text("#over-time"))
+        before = counts[-1]
         self.browser.run(_LEAST, f"#over-time [data-row='{SIGNAL} rate'] [data-cell=count]")
         self.browser.press("#over-time-restart")
         wait_until(

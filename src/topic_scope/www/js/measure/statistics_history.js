@@ -24,7 +24,13 @@ export function startOverTime(state) {
     body.replaceChildren(...[...rows].map(([key, cells]) => make("tr", { "data-row": key }, ...cells)));
   }
 
-  state.on(["measures"], ({ measures }) => { section.hidden = !measures.overTime; });
+  let number = 0; // of the request whose figures are shown
+  state.on(["measures"], ({ measures }) => {
+    section.hidden = !measures.overTime;
+    if (measures.overTime === number) return;
+    number = measures.overTime;
+    build([]); // until the first figures of this request
+  });
   return (traces) => {
     if (section.hidden) return;
     const wanted = state.values.fields.flatMap((field) => shownFigures(state.values)

@@ -12,6 +12,7 @@ import threading
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, List, Tuple
+from urllib.parse import unquote
 from urllib.request import urlopen
 
 import rosbag
@@ -126,10 +127,11 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.browser.find("#csv").click()
-        address = str(self.browser.find("#csv").get_attribute("href"))
         cells: List[Tuple[str, float]] = []
 
         def has_many_cells() -> bool:
+            # The end of the address is the page's end of then: more rows need a newer address.
+            address = str(self.browser.find("#csv").get_attribute("href"))
             with urlopen(address, timeout=10) as answer:
                 rows = csv.DictReader(answer.read().decode().splitlines())
                 cells[:] = [(row[SIGNAL], float(row[name])) for row in rows if row[name]]
@@ -139,7 +141,9 @@ class Page(PageTest):
         self.assertTrue(all(beside for beside, _ in cells), "not in the row of its first operand")
         inside = [value for _, value in cells if math.isfinite(value)]
         self.assertLess(max(abs(value - 2.0) for value in inside), 0.01)
-        self.browser.driver.refresh()  # it is in the address
+        driver = self.browser.driver
+        wait_until(lambda: name in unquote(driver.current_url), lambda: driver.current_url)
+        driver.refresh()
         self.browser.wait_for(f"#legend tr[data-field='{name}']")
 
     @extended

@@ -93,13 +93,15 @@ class SerialNode(NodeRig):
         link.wait_for_log(f"{name}: led on")
         Graph().wait_until_heard(self.space + "/serial_node", "/rosout", rospy.get_name())
         reset = rospy.ServiceProxy(self.space + "/simulated_board/reset", Trigger)
-        for _ in range(2):
-            log.clear()
+        for number in (1, 2):
             self.assertTrue(reset().success)
             self.wait_until_back(time.monotonic() + 0.2)  # it takes this long to start
+            self.wait_for_figure("restarts of the board", number)
             # The board gets latched messages again: it has forgotten them.
-            log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
-        self.wait_for_figure("restarts of the board", 2)
+            wait_until(
+                lambda: len(link.logged(f"{name}: led on")) == number + 1, lambda: str(link.lines)
+            )
+        log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
 
     def test_end_has_the_board_stop_and_says_nothing_more(self) -> None:
         link = self.start_both()

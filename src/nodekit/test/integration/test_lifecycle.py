@@ -17,6 +17,7 @@ from typing import Any, Callable, Dict, List, Tuple, Union
 from unittest import mock
 
 import rosgraph
+import rosnode
 import rospy
 import yaml
 from std_msgs.msg import Header, String
@@ -968,6 +969,19 @@ class Ends(unittest.TestCase):
         lines = [line for line in process.lines if "[" not in line]
         self.assertEqual((lines[: len(WAYS)], set(lines[len(WAYS) :])), (ends, expected))
         self.assertEqual(process.logged("ends without"), [])
+
+    @extended
+    def test_node_with_the_port_of_a_killed_one_goes_on_when_that_is_replaced(self) -> None:
+        process = self.start("bystander")
+        master = rosgraph.Master("/killed_before")
+        uri = rosgraph.Master("/test").lookupNode("/bystander_host")
+        master.registerSubscriber("/nothing", "std_msgs/String", uri)
+        self.addCleanup(master.unregisterSubscriber, "/nothing", "http://localhost:1")
+        master.registerSubscriber("/nothing", "std_msgs/String", "http://localhost:1")
+        process.wait_for_log("request to end /killed_before: its former port is now that of /byst")
+        self.assertTrue(self.change("bystander", "configure"))
+        rosnode.kill_nodes(["/bystander_host"])  # a request to itself is not ignored
+        self.assertEqual(process.wait(), 0)
 
     @extended
     def test_node_that_ends_its_process_in_a_callback_goes_through_shutdown_too(self) -> None:

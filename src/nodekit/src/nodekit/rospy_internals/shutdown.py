@@ -1,19 +1,22 @@
-"""Shutdown hooks called in phases, and a patch of rospy that hides spurious connection errors."""
+"""Shutdown hooks called in phases, and patches of rospy: spurious errors, requests to others."""
 
 import enum
+import re
 import traceback
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 import rospy.core
-from rospy.impl import tcpros_service
+from rospy.impl import masterslave, tcpros_service
 from rospy.impl.tcpros_base import TCPServer
 
 from nodekit.process_context import PROCESS
 
 #: Start of rospy's message about a client that disconnects before its request is read.
 _HUNG_UP = "incoming connection failed"
+#: Start of the master's message to a node that another one of its name replaces.
+_REPLACED = re.compile(r"\[(/.*?)\] Reason: ")
 
 
 def patch_shutdown() -> None:
@@ -38,6 +41,27 @@ def patch_shutdown() -> None:
         rospy.logwarn(
             "unsupported rospy version: nodes end after the functions of rospy.on_shutdown"
         )
+
+
+def ignore_requests_to_others() -> None:
+    """Patch rospy to ignore the master's request to shut down a node that is not this one.
+
+    A killed node stays registered. If Linux gives its port to a node that starts later, and the
+    killed one is started again, then the master asks the wrong node to shut down.
+    """
+    shut_down: Callable[..., Any] = masterslave.ROSHandler.shutdown
+
+    def shut_down_if_meant(handler: Any, caller_id: str, reason: str = "") -> Any:
+        meant = _REPLACED.match(reason)
+        if meant is None or meant.group(1) == rospy.get_name():
+            return shut_down(handler, caller_id, reason)
+        rospy.logwarn(
+            f"ignoring the master's request to end {meant.group(1)}: its former port is now that of"
+            f" {rospy.get_name()}"
+        )
+        return 1, "another node", 0
+
+    masterslave.ROSHandler.shutdown = shut_down_if_meant
 
 
 def log_service_error(log_error: Callable[..., None], text: str, *args: object) -> None:

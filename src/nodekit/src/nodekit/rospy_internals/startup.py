@@ -14,7 +14,7 @@ import rospy.impl.init
 from nodekit.rospy_internals.incoming_topic import cache_statistics_setting
 from nodekit.rospy_internals.log_handlers import patch_logs
 from nodekit.rospy_internals.serialization_errors import patch_serialization
-from nodekit.rospy_internals.shutdown import patch_shutdown
+from nodekit.rospy_internals.shutdown import ignore_requests_to_others, patch_shutdown
 from nodekit.rospy_internals.tcpros_server import patch_tcpros_server
 
 #: Period of the check whether the node is registered [s].
@@ -29,6 +29,7 @@ def apply_patches() -> None:
     patch_logs()
     patch_serialization()
     patch_shutdown()
+    ignore_requests_to_others()
 
 
 def register_signals() -> None:

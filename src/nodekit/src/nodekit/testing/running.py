@@ -9,6 +9,8 @@ from typing import Any, Callable, List, Type, TypeVar
 import rostest
 from rosunit import xmlrunner
 
+from nodekit.rospy_internals.shutdown import ignore_requests_to_others
+
 #: Environment variable that ends a run at the first failing test: later tests would often wait in
 #: vain for the same condition.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
@@ -60,6 +62,7 @@ def rosrun(package: str, name: str, case: Type[unittest.TestCase]) -> None:
         unittest.TestLoader.getTestCaseNames = partialmethod(  # type: ignore[assignment]
             names_of_tier, EXTENDED in sys.argv
         )
+    ignore_requests_to_others()  # of the masters of tests that run beside this one
     rostest.rosrun(package, name, case)
 
 

@@ -53,7 +53,7 @@ class FirstOrderPlant:
         self._now = 0.0
         self._held = 0.0
         # State at the last change of the held input or of a setting.
-        self._start, self._changed_at = output, 0.0
+        self._restart(output)
 
     @property
     def held(self) -> float:
@@ -89,8 +89,9 @@ class FirstOrderPlant:
         :param time: [s]
         :param settings: new settings
         """
-        self._restart(self.output(time))
+        output = self.output(time)
         self._settings = settings
+        self._restart(output)
 
     def set_output(self, time: float, value: float) -> None:
         """Set the state of the plant.
@@ -102,13 +103,16 @@ class FirstOrderPlant:
         self._restart(value)
 
     def _restart(self, output: float) -> None:
-        self._start, self._changed_at = output, self._now
+        self._start, self._changed_at = self._limited(output), self._now
+
+    def _limited(self, output: float) -> float:
+        return max(-self._settings.max_output, min(self._settings.max_output, output))
 
     def _response(self, seconds: float) -> float:
         """Return the output a time after the last change [s]."""
-        gain, time_constant, limit, dead_zone, method = self._settings
+        gain, time_constant, _, dead_zone, method = self._settings
         target = gain * self._held if abs(self._held) > dead_zone else 0.0
         # Finite even for a tiny tau: 0 times infinity would be NaN.
         ratio = min(seconds / time_constant, sys.float_info.max)
         approached = -math.expm1(-ratio) if method == EXACT else ratio
-        return max(-limit, min(limit, self._start + (target - self._start) * approached))
+        return self._limited(self._start + (target - self._start) * approached)

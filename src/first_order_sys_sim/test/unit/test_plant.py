@@ -224,6 +224,16 @@ def test_it_can_be_put_into_a_state() -> None:
     assert plant.output(0.6) == pytest.approx(decay(-2.0, 0.0, 0.1, 0.05), abs=1e-12)
 
 
+def test_state_beyond_the_limit_leaves_it_at_once() -> None:
+    limited = PlantSettings(2.0, 1.0, 3.0)
+    lowered, placed = FirstOrderPlant(PlantSettings(2.0, 1.0), 9.0), FirstOrderPlant(limited)
+    lowered.change(0.0, limited)
+    placed.set_output(0.0, -9.0)
+    for plant, start in ((FirstOrderPlant(limited, 9.0), 3.0), (lowered, 3.0), (placed, -3.0)):
+        assert plant.output(0.0) == start
+        assert plant.output(1.0) == pytest.approx(start * math.exp(-1.0))
+
+
 def test_decreasing_time_is_ignored() -> None:
     plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)

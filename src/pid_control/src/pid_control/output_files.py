@@ -32,6 +32,8 @@ def write_file(path: str, text: str) -> None:
         with open(partial, "w", encoding="utf-8", errors="backslashreplace") as file:
             file.write(text)
         os.replace(partial, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, path) from None
     finally:
         if os.path.exists(partial):
             os.remove(partial)

@@ -11,8 +11,8 @@ from pid_control.plant.delayed_plant import DelayedPlant
 SETTINGS = PlantSettings(2.0, 1.0)
 
 
-def delayed(dead_time: float) -> DelayedPlant:
-    return DelayedPlant(SampledPlant(SETTINGS, 1e-3), dead_time)
+def delayed(dead_time: float, sample_time: float = 1e-3) -> DelayedPlant:
+    return DelayedPlant(SampledPlant(SETTINGS, sample_time), dead_time)
 
 
 def test_input_arrives_after_the_dead_time() -> None:
@@ -51,9 +51,18 @@ def test_set_output_and_change_leave_earlier_inputs_their_time() -> None:
         assert plant.output(1.5) == pytest.approx(-2.0 * math.expm1(-0.5 if is_set else -1.0))
 
 
+def test_set_output_leaves_earlier_inputs_their_sample() -> None:
+    plant = delayed(0.5, 0.4)
+    plant.set_input(0.0, 1.0)  # it arrives at 0.5 s, and is sampled at 0.8 s
+    plant.set_output(1.0, 0.0)
+    assert plant.output(1.2) == pytest.approx(-2.0 * math.expm1(-0.2))
+
+
 def test_set_output_and_change_apply_to_the_plant() -> None:
     plant = delayed(0.5)
     plant.set_output(1.0, 4.0)
     assert plant.output(1.0) == 4.0
-    plant.change(1.0, PlantSettings(2.0, 1.0, 3.0), 1e-3, 0.5)
+    plant.change(1.0, PlantSettings(2.0, 1.0, 3.0), 0.4, 0.5)
     assert plant.output(1.0) == 3.0
+    plant.set_input(1.0, 1.0)  # it arrives at 1.5 s, and is sampled at 1.8 s
+    assert plant.output(2.0) == pytest.approx(3.0 * math.exp(-1.0) - 2.0 * math.expm1(-0.2))

@@ -308,25 +308,38 @@ def test_course_names_equal_to_the_private_ones_are_no_warning(
     monkeypatch.setattr("rospy.logwarn", warn)
     node = mock.Mock(resolve=lambda name: "/" + name)
     node.name = "/m"
-    for value, times in ((5.0, 0), (6.0, 1)):
+    for value in (5.0, 6.0):
         held["/system_param_K"] = value
         course_names.adopt_course_names(node, SystemParameters)
-        assert warn.call_count == times
+    master.assert_called_with("/m")
+    assert [call[0][0] % call[0][1:] for call in warn.call_args_list] == [
+        "/system_param_K: 6.0 is ignored, because /m/system_param_K: 5.0 is set; to use it at "
+        "the next start: rosparam delete /m/system_param_K"
+    ]
 
 
 def test_course_names_are_copied_to_private_parameters_that_are_unset(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     held = {"/m/system_param_T": 0.5, "/system_param_T": 0.1, "/system_param_K": 5.0}
+    held["/system_max_speed"] = 9.0
     master = mock.MagicMock()
     known = master.return_value.__enter__.return_value
     known.read = lambda keys: mock.Mock(values={key: held.get(key, MISSING) for key in keys})
     monkeypatch.setattr(course_names, "MasterClient", master)
     monkeypatch.setattr("rospy.logwarn", mock.Mock())
+    told = mock.Mock()
+    monkeypatch.setattr("rospy.loginfo", told)
     node = mock.Mock(resolve=lambda name: "/" + name)
     node.name = "/m"
     course_names.adopt_course_names(node, SystemParameters)
-    known.write.assert_called_once_with({"/m/system_param_K": 5.0})
+    known.write.assert_called_once_with({"/m/system_param_K": 5.0, "/m/system_max_speed": 9.0})
+    held.clear()
+    course_names.adopt_course_names(node, SystemParameters)
+    assert [call[0][0] % call[0][1:] for call in told.call_args_list] == [
+        "/m: parameters copied from the course's names: "
+        "/system_param_K: 5.0, /system_max_speed: 9.0"
+    ]
 
 
 def experiment_on(

@@ -1,10 +1,8 @@
 """Tests of the motor's parameters."""
 
 import numpy
-import pytest
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
-from nodekit import ParameterError
 from pid_control.plant.system_parameters import SystemParameters
 
 
@@ -15,24 +13,18 @@ def test_plant_is_as_the_parameters_say() -> None:
     assert given.plant[:4] == (2.0, 0.3, 4.0, 0.5)
 
 
-@pytest.mark.parametrize(
-    "name, least, largest",
-    [
-        ("system_node_rate", 0.1, 1e4),
-        ("system_sample_time", 1e-4, 1e3),
-        ("system_param_K", -1e6, 1e6),
-        ("system_param_T", 1e-9, 1e6),
-        ("system_initial_cond", -1e9, 1e9),
-        ("system_max_speed", 1e-9, 1e9),
-        ("system_min_input", 0.0, 1e9),
-        ("system_dead_time", 0.0, 1e3),
-    ],
-)
-def test_values_up_to_the_bounds_are_accepted(name: str, least: float, largest: float) -> None:
-    for value, beyond in ((least, least - 0.01), (largest, largest + 0.01)):
-        assert getattr(SystemParameters(**{name: value}), name) == value
-        with pytest.raises(ParameterError, match=name):
-            SystemParameters(**{name: beyond})
+def test_each_parameter_has_its_default_range_and_unit() -> None:
+    declared = SystemParameters.declared
+    assert {name: (one.default, one.range, one.unit) for name, one in declared.items()} == {
+        "system_node_rate": (1000.0, "[0.1, 10000]", "Hz"),
+        "system_sample_time": (0.002, "[0.0001, 1000]", "s"),
+        "system_param_K": (13.1, "[-1e6, 1e6]", "rad/s"),
+        "system_param_T": (0.04, "(0, 1e6]", "s"),
+        "system_initial_cond": (0.0, "[-1e9, 1e9]", "rad/s"),
+        "system_max_speed": (13.0, "(0, 1e9]", "rad/s"),
+        "system_min_input": (0.05, "[0, 1e9]", ""),
+        "system_dead_time": (0.0, "[0, 1000]", "s"),
+    }
 
 
 def test_dead_zone_includes_its_float32_edge() -> None:

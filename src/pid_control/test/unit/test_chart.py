@@ -1,12 +1,57 @@
 """Tests of SVG charts."""
 
 import math
+import re
 import xml.etree.ElementTree
 from typing import List, Tuple
 
-from pid_control.charts.chart import Curve, Panel, as_svg, plot
+import pytest
+
+from pid_control.charts.chart import Curve, Panel, _marks, as_svg, plot
 
 SPACE = "{http://www.w3.org/2000/svg}"
+
+#: Axes from the least value to the largest with a margin of 5 %, or with limits of their own.
+PICTURE = """\
+<svg xmlns="http://www.w3.org/2000/svg" width="712" height="236" font-family="sans-serif" \
+font-size="11">
+<rect width="712" height="236" fill="white"/>
+<g transform="translate(56 36)">
+<text y="-10">a &lt; b<tspan dx="12" fill="red">r &amp; y</tspan>\
+<tspan dx="12" fill="green"></tspan></text>
+<rect width="640" height="64" fill="none" stroke="#bbbbbb"/>
+<path d="M0 61.1h640" stroke="#eeeeee"/>
+<text x="-6" y="65.1" text-anchor="end">0</text>
+<path d="M0 32.0h640" stroke="#eeeeee"/>
+<text x="-6" y="36.0" text-anchor="end">5</text>
+<path d="M0 2.9h640" stroke="#eeeeee"/>
+<text x="-6" y="6.9" text-anchor="end">10</text>
+<text x="0.0" y="80" text-anchor="middle">1 s</text>
+<text x="160.0" y="80" text-anchor="middle">2 s</text>
+<text x="320.0" y="80" text-anchor="middle">3 s</text>
+<text x="480.0" y="80" text-anchor="middle">4 s</text>
+<text x="640.0" y="80" text-anchor="middle">5 s</text>
+<polyline points="0.0,61.1 160.0,2.9 320.0,32.0" fill="none" stroke="red"/>
+<polyline points="0.0,49.5" fill="none" stroke="green"/>
+</g>
+<g transform="translate(56 170)">
+<text y="-10">input<tspan dx="12" fill="blue">u</tspan></text>
+<rect width="640" height="32" fill="none" stroke="#bbbbbb"/>
+<path d="M0 32.0h640" stroke="#eeeeee"/>
+<text x="-6" y="36.0" text-anchor="end">-1</text>
+<path d="M0 16.0h640" stroke="#eeeeee"/>
+<text x="-6" y="20.0" text-anchor="end">0</text>
+<path d="M0 0.0h640" stroke="#eeeeee"/>
+<text x="-6" y="4.0" text-anchor="end">1</text>
+<text x="0.0" y="48" text-anchor="middle">1 s</text>
+<text x="160.0" y="48" text-anchor="middle">2 s</text>
+<text x="320.0" y="48" text-anchor="middle">3 s</text>
+<text x="480.0" y="48" text-anchor="middle">4 s</text>
+<text x="640.0" y="48" text-anchor="middle">5 s</text>
+<polyline points="160.0,0.0 640.0,0.0 640.0,24.0" fill="none" stroke="blue"/>
+</g>
+</svg>
+"""
 
 
 def drawn(*curves: Curve) -> List[List[Tuple[float, float]]]:
@@ -15,6 +60,35 @@ def drawn(*curves: Curve) -> List[List[Tuple[float, float]]]:
         [tuple(map(float, point.split(","))) for point in (line.get("points") or "").split()]
         for line in root.iter(SPACE + "polyline")
     ]
+
+
+def test_picture_of_two_panels_is_complete() -> None:
+    speed = Curve("r & y", "red", [1.0, 2.0, 3.0], [0.0, 10.0, 5.0])
+    given = Curve("u", "blue", [2.0, 5.0], [1.0, -0.5], True)
+    above = Panel("a < b", [speed, Curve("", "green", [1.0], [2.0])], 64.0)
+    assert as_svg([above, Panel("input", [given], 32.0, (-1.0, 1.0))]) == PICTURE
+    assert Panel("", [speed]).height == 160.0
+
+
+@pytest.mark.parametrize(
+    "low, high, count, marks",
+    [
+        (0.0, 6.0, 3, [0.0, 2.0, 4.0, 6.0]),
+        (-4.9, 9.9, 3, [0.0, 5.0]),
+        (0.0, 0.03, 3, [0.0, 0.01, 0.02, 0.03]),
+        (1.0, 26.0, 4, [10.0, 20.0]),
+        (0.0, 15.1, 5, [0.0, 5.0, 10.0, 15.0]),
+    ],
+)
+def test_marks_are_round(low: float, high: float, count: int, marks: List[float]) -> None:
+    assert _marks(low, high, count) == pytest.approx(marks)
+
+
+@pytest.mark.parametrize("value, marks", [(math.nan, ["-1", "0", "1"]), (5.0, ["4", "5", "6"])])
+def test_axis_of_a_constant_has_a_range(value: float, marks: List[str]) -> None:
+    text = "\n".join(plot(Panel("", [Curve("", "red", [0.0], [value])], 40.0), 100.0, 0.0, 0.0))
+    assert re.findall('text-anchor="end">(.*)<', text) == marks
+    assert "NaN" not in text and text.count('stroke="red"') == 1
 
 
 def test_curve_goes_from_corner_to_corner_and_values_go_up() -> None:
@@ -29,12 +103,18 @@ def test_value_that_holds_is_drawn_in_steps() -> None:
     assert points[1] == (points[2][0], points[0][1])
 
 
+def zigzag(count: int) -> Curve:
+    return Curve("", "red", list(range(count)), [(-1.0) ** number for number in range(count)])
+
+
 def test_no_peak_is_lost_among_many_points() -> None:
     values = [0.0] * 100_000
     values[54_321] = 1.0
     (points,) = drawn(Curve("", "red", list(range(100_000)), values))
     assert len(points) < 1500
     assert len({y for _, y in points}) == 2
+    # Two points per pixel column are all drawn.
+    assert [len(one) for count in (1280, 1281) for one in drawn(zigzag(count))] == [1280, 641]
 
 
 def test_many_points_are_drawn_in_the_order_of_time() -> None:

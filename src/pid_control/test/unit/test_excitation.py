@@ -2,6 +2,8 @@
 
 from itertools import groupby
 
+import numpy
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -19,6 +21,14 @@ def test_inputs_are_within_bounds_and_end_with_0(
     assert times[0] == 0.0 and times[-1] < seconds
     assert (min(values), max(values)) == (least if least else 0.0, largest)
     assert values[0] == values[-1] == 0.0
+
+
+def test_excitation_is_a_slow_ramp_and_then_steps() -> None:
+    changes = excitation(-0.5, 2.0, 10.0)
+    ramp = [(0.01 * number, 0.002 * number) for number in range(400)]
+    values = [0.0, 2.0, 0.0, 1.0, 1.6, 0.6, -0.5, 1.2, -0.25, 0.0]
+    steps = [(4.0 + 0.6 * number, value) for number, value in enumerate(values)]
+    assert numpy.array(changes) == pytest.approx(numpy.array(ramp + steps))
 
 
 def test_progress_stalled_machine_skips_no_step() -> None:

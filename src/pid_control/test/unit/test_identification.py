@@ -2,13 +2,15 @@
 
 import math
 import xml.etree.ElementTree
+from typing import Dict, List, Optional, Tuple
+from unittest import mock
 
 import numpy
 import pytest
 
 from pid_control.identification.fit import Identification, identify
 from pid_control.identification.model_file import as_yaml
-from pid_control.identification.record import IdentificationError, record_of
+from pid_control.identification.record import IdentificationError, Record, record_of
 from pid_control.identification.report import as_picture, as_text
 from pid_control.identification.residual_test import ResidualTest
 from pid_control.identification.response import Model
@@ -16,7 +18,26 @@ from pid_control.identification.step_reading import StepReading, read_step, why_
 from plants import answered, check_random_plants, errors_of, recorded
 
 NOISE = 0.05
+VALUES = numpy.array([1.0, 2.0, 4.0])
+HELD = ([0.5, 1.0, 2.5], [0.3, 0.7, 0.7])
 SLOW = Model(2.0, 1.0)
+RECORD = answered([(2.0, 0.5)], Model(13.1, 0.4, 0.1), 6.0)._replace(left_out=3)
+WIDE = Model(1.1, 0.12, 0.013, 0.014, 0.15, 1.6, 0.017)
+#: An identification with each term, which not all residuals confirm.
+FOUND = Identification(
+    Model(10.0, 0.5, 0.1, 0.2, 9.0, 20.0, 0.05),
+    WIDE,
+    RECORD.outputs,
+    0.1 * RECORD.span,
+    0.9,
+    ResidualTest(False, True, False, False, 12.0),
+)
+#: One without a term, whose input was recorded late.
+PLAIN = FOUND._replace(
+    model=Model(10.0, 0.5, -0.2),
+    uncertainty=WIDE._replace(dead_zone=math.inf, limit=math.inf),
+    test=ResidualTest(True, True, False, True, 99.0),
+)
 
 
 @pytest.mark.extended
@@ -126,38 +147,123 @@ def test_record_of_few_outputs_raises() -> None:
         record_of([1.0, 2.0], [0.0, 1.0], numpy.full(30, 5.0), numpy.arange(30.0))
 
 
-@pytest.mark.parametrize(
-    "changes, model, noise, why",
-    [
-        ([(1.0, 1.0)], SLOW, 0.0, "they agree"),
-        ([(1.0, -1.0)], Model(2.0, 1.0, 0.0, 0.0, 1.5), 0.0, "the output meets its limit of 1.5"),
-        ([(1.0, 1.0)], Model(2.0, 1.0, 0.3), 0.0, "the dead time of 0.3 s is read as a part of T"),
-        ([(1.0, 0.1), (2.0, 1.0)], Model(2.0, 1.0, 0.0, 0.2), 0.0, "0.1 is in the dead zone"),
-        ([(8.0, 1.0)], SLOW, 0.0, "the step holds for 2.0 T"),
-        ([(8.0, 1.0)], Model(2.0, 1.0, 0.5), 0.0, "the step holds for 1.5 T"),
-        (
-            [(0.5, 1.0), (5.0, -0.1)],
-            Model(2.0, 1.0, 0.0, 0.0, 1.5),
-            0.0,
-            "the output meets its limit of 1.5",
-        ),
-        ([(1.0, 1.0)], SLOW, 0.1, "with noise, the first output beyond"),
-        ([(1.0, -1.0)], SLOW, 0.1, "with noise, the first output beyond"),
-        ([(1.0, -1.0)], Model(200.0, 1.0, 0.3), 0.001, "the dead time of 0.3 s is read"),
-    ],
-)
+#: Causes of differences, and the model, the reading and the residual in which they are seen.
+CAUSES: List[Tuple[List[str], Dict[str, float], Dict[str, float], float]] = [
+    (["they agree"], {}, {"gain": 2.05, "time_constant": 1.02}, 0.0),
+    (["they agree"], {"limit": 1.0, "dead_time": 0.5}, {"gain": 1.95, "time_constant": 0.98}, 0.9),
+    (["the plant is not quite of first order"], {}, {"gain": 2.1}, 0.0),
+    (["the plant is not quite of first order"], {}, {"gain": 1.9}, 0.0),
+    (["the plant is not quite of first order"], {}, {"gain": 2.0, "time_constant": 0.9}, 0.0),
+    # On the edge nothing is named.
+    (
+        ["the plant is not quite of first order"],
+        {"limit": 2.0, "dead_time": 0.02},
+        {"duration": 5.02},
+        0.04,
+    ),
+    (
+        ["the output meets its limit of 1.9, which is read as if it were steady"],
+        {"limit": 1.9},
+        {},
+        0.0,
+    ),
+    (
+        ["the output meets its limit of 1.9, which is read as if it were steady"],
+        {"limit": 1.9},
+        {"before": -1.0, "after": 0.0},
+        0.0,
+    ),
+    (
+        ["an input of 0.1 is in the dead zone, and acts as 0"],
+        {"dead_zone": 0.2},
+        {"before": 0.1},
+        0.0,
+    ),
+    (
+        [
+            "an input of 0.1 is in the dead zone, and acts as 0",
+            "an input of -0.2 is in the dead zone, and acts as 0",
+        ],
+        {"dead_zone": 0.2},
+        {"before": 0.1, "after": -0.2},
+        0.0,
+    ),
+    (
+        [
+            "the friction takes 0.05 of the input, which is read into K",
+            "the dead time of 0.05 s is read as a part of T",
+            "with noise, the first output beyond 63.2 % is too early",
+        ],
+        {"friction": 0.05, "dead_time": 0.05},
+        {},
+        0.05,
+    ),
+    (["the input was recorded late, and T is read from then on"], {"dead_time": -0.03}, {}, 0.0),
+    (["the step holds for 4.0 T: the output is not steady yet"], {}, {"duration": 4.0}, 0.0),
+    (
+        [
+            "the dead time of 3 s is read as a part of T",
+            "the step holds for 0.0 T: the output is not steady yet",
+        ],
+        {"dead_time": 3.0},
+        {"duration": 2.0},
+        0.0,
+    ),
+    (
+        ["the step holds for 2.0 T: the output is not steady yet"],
+        {"time_constant": 4.5, "dead_time": 0.09},
+        {"duration": 9.09},
+        0.0,
+    ),
+]
+
+
+@pytest.mark.parametrize("causes, model, read, residual", CAUSES)
 def test_step_reading_differences_are_explained(
-    changes: list, model: Model, noise: float, why: str
+    causes: List[str], model: Dict[str, float], read: Dict[str, float], residual: float
 ) -> None:
-    record = answered([(0.0, 0.0), *changes], model, 10.0, noise, outputs=1000)
-    found, reading = identify(record), read_step(record)
-    assert isinstance(reading, StepReading)
-    if why.startswith("0.1"):
-        # Finding the dead zone needs more levels; this test is about the reading.
-        found = found._replace(model=model)
-    reasons = why_they_differ(record, found, reading)
-    assert any(why in said for said in reasons)
-    assert any("with noise" in said for said in reasons) is (noise > 0.01)
+    record = answered([(0.0, 0.0), (1.0, 1.0)], SLOW, 10.0, outputs=1001)
+    found = PLAIN._replace(model=SLOW._replace(**model), residual=residual)
+    reading = StepReading(1.0, 0.0, 1.0, 9.0, 2.2, 1.1)._replace(**read)
+    assert why_they_differ(record, found, reading) == causes
+
+
+def test_step_reading_of_few_outputs_is_explained() -> None:
+    record = answered([(0.0, 0.0), (1.0, 1.0)], SLOW, 10.0, outputs=401)
+    causes = ["the outputs are 0.025 s apart, which limits the reading of T"]
+    reading = StepReading(1.0, 0.0, 1.0, 9.0, 2.2, 1.1)
+    assert why_they_differ(record, PLAIN._replace(model=SLOW, residual=0.0), reading) == causes
+
+
+@pytest.mark.parametrize("before, after", [(1.0, 3.0), (3.0, 1.0), (1.0, -1.0)])
+def test_read_step_finds_gain_and_time_constant_of_each_direction(
+    before: float, after: float
+) -> None:
+    plant = Model(-2.0, 0.5, 0.1, offset=20.0)
+    record = answered(
+        [(0.0, before), (6.0, after), (13.0, after - 0.5)], plant, 14.0, outputs=14001
+    )
+    reading = read_step(record)
+    assert reading is not None
+    assert reading[:4] == pytest.approx((6.0, before, after, 7.0))
+    assert reading[4:] == pytest.approx((-2.0, 0.6), rel=2e-3)
+
+
+def test_read_step_needs_an_output_before_and_at_the_end() -> None:
+    times = numpy.arange(21.0)
+    outputs = -numpy.expm1(-0.5 * (times - 10.0).clip(0.0))
+    record = Record(numpy.array([0.0, 10.0]), numpy.array([0.0, 1.0]), times, outputs)
+    steady = -math.expm1(-4.5)
+    assert read_step(record) == pytest.approx((10.0, 0.0, 1.0, 10.0, steady, 2.0))
+    for part in (slice(20), slice(10, 21)):
+        assert read_step(record._replace(times=times[part], outputs=outputs[part])) is None
+
+
+@pytest.mark.parametrize("hold, time", [(2.9, 12.9), (3.1, 10.0)])
+def test_read_step_takes_the_largest_of_the_long_steps(hold: float, time: float) -> None:
+    record = answered([(0.0, 0.0), (10.0, 1.0), (10.0 + hold, 0.5)], SLOW, 20.0 + hold)
+    reading = read_step(record)
+    assert reading is not None and reading.time == pytest.approx(time)
 
 
 def test_read_step_ignores_a_larger_but_short_step() -> None:
@@ -174,39 +280,116 @@ def test_read_step_ignores_a_larger_but_short_step() -> None:
     assert read_step(answered(changes, Model(2.0, 1.0, 0.0, 0.2), 7.0)) is None
 
 
-def test_report_states_each_figure() -> None:
-    record = answered([(2.0, 0.5)], Model(13.1, 0.4, 0.1), 6.0)._replace(left_out=3)
-    model = Model(10.0, 0.5, 0.1, 0.2, 9.0, 20.0, 0.05)
-    wide = Model(1.1, 0.12, 0.013, 0.014, 0.15, 1.6, 0.017)
-    residual = 0.1 * record.span
-    fitted = record.outputs - numpy.linspace(0.0, 1.0, len(record.times))
-    test = ResidualTest(False, True, False, False, 12.0)
-    found = Identification(model, wide, fitted, residual, 0.9, test)
-    reading = StepReading(2.0, 0.25, 0.5, 4.0, 12.0, 0.45)
-    lines = as_text(record, found, reading).splitlines()
-    assert lines[0] == "6 s, 2000 outputs, 1 changes of the input"
-    assert [line.split() for line in lines[2:9]] == [
-        ["K", "10", "±", "1.1", "12"],
-        ["T", "0.5", "±", "0.12", "s", "0.45", "s"],
-        ["dead", "time", "0.1", "±", "0.013", "s"],
-        ["dead", "zone", "0.2", "±", "0.014"],
-        ["limit", "9", "±", "0.15"],
-        ["offset", "20", "±", "1.6"],
-        ["friction", "0.05", "±", "0.017"],
+@pytest.mark.parametrize(
+    "found, reading, text",
+    [
+        (
+            FOUND,
+            StepReading(2.0, 0.25, 0.5, 4.0, 12.0, 0.45),
+            """\
+6 s, 2000 outputs, 1 changes of the input
+            least squares               63.2 % reading
+K           10 ± 1.1                    12
+T           0.5 ± 0.12 s                0.45 s
+dead time   0.1 ± 0.013 s
+dead zone   0.2 ± 0.014
+limit       9 ± 0.15
+offset      20 ± 1.6
+friction    0.05 ± 0.017
+residual    0.655 rms, 10 % of the outputs' range
+± does not hold in 95 of 100: the record has only 12 independent outputs
+± counts 12 independent outputs: the residual is autocorrelated
+left out    3 values that are not finite
+The reading is of the step from 0.25 to 0.5 at 2 s:
+- the friction takes 0.05 of the input, which is read into K
+- the dead time of 0.1 s is read as a part of T
+- with noise, the first output beyond 63.2 % is too early""",
+        ),
+        (
+            PLAIN,
+            None,
+            """\
+6 s, 2000 outputs, 1 changes of the input
+            least squares               63.2 % reading
+K           10 ± 1.1
+T           0.5 ± 0.12 s
+dead time   -0.2 ± 0.013 s
+dead zone   not found
+limit       not met
+offset      not found
+friction    not found
+residual    0.655 rms, 10 % of the outputs' range
+± holds in 95 of 100: the residual is noise, whatever the input
+No step in it is followed by enough outputs for a 63.2 % reading.
+The output begins before its input, which was recorded late by 0.2 s or more: the dead time is \
+unknown.""",
+        ),
+    ],
+)
+def test_report_states_each_figure(
+    found: Identification, reading: Optional[StepReading], text: str
+) -> None:
+    record = RECORD._replace(left_out=0) if reading is None else RECORD
+    assert as_text(record, found, reading) == text
+
+
+def test_model_file_states_each_value() -> None:
+    assert as_yaml(FOUND, "a\nrecord") == (
+        "# Identified from a record.\n"
+        "# +- does not hold in 95 of 100: the record has only 12 independent outputs.\n"
+        "# +- counts 12 independent outputs: the residual is autocorrelated.\n"
+        "# offset 20 +- 1.6: the output without an input, not in this model.\n"
+        "# friction 0.05 +- 0.017: the part of the input that friction takes, not in this model.\n"
+        "system_param_K: 10.0  # +- 1.1\n"
+        "system_param_T: 0.5  # +- 0.12\n"
+        "system_dead_time: 0.1  # +- 0.013\n"
+        "system_min_input: 0.2  # +- 0.014\n"
+        "system_max_speed: 9.0  # +- 0.15\n"
+    )
+    assert as_yaml(PLAIN, "b").splitlines()[4:] == [
+        "system_dead_time: 0.0  # +- 0.013",
+        "system_min_input: 0.0  # not met",
+        "system_max_speed: 1000000000.0  # not met",
     ]
-    assert lines[9].endswith("rms, 10 % of the outputs' range")
-    assert lines[10:14] == [
-        "± does not hold in 95 of 100: the record has only 12 independent outputs",
-        "± counts 12 independent outputs: the residual is autocorrelated",
-        "left out    3 values that are not finite",
-        "The reading is of the step from 0.25 to 0.5 at 2 s:",
+
+
+@pytest.mark.parametrize(
+    "found, names, titles",
+    [
+        (
+            FOUND,
+            ["record", "model", "offset 20"],
+            ["output", "residual: ± does not hold in 95 of 100", "input (friction 0.05)"],
+        ),
+        (PLAIN, ["record", "model"], ["output", "residual", "input"]),
+    ],
+)
+def test_picture_has_record_and_model_above_residual_and_input(
+    found: Identification,
+    names: List[str],
+    titles: List[str],
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    drawn = mock.Mock(return_value="picture")
+    monkeypatch.setattr("pid_control.identification.report.as_svg", drawn)
+    times = [0.0, 1.0, 2.5]
+    record = Record(numpy.array([0.5, 1.0]), numpy.array([0.3, 0.7]), numpy.array(times), VALUES)
+    assert as_picture(record, found._replace(fitted=VALUES - 0.5)) == "picture"
+    [output, residual, given] = drawn.call_args[0][0]
+    assert [panel.title for panel in (output, residual, given)] == titles
+    assert [panel.height for panel in (output, residual, given)] == [160.0, 80.0, 80.0]
+    assert [(curve.name, curve.times, curve.values) for curve in output.curves] == [
+        ("record", times, [1.0, 2.0, 4.0]),
+        ("model", times, [0.5, 1.5, 3.5]),
+        ("offset 20", [0.0, 2.5], [20.0, 20.0]),
+    ][: len(names)]
+    assert [(curve.times, curve.values) for curve in residual.curves] == [(times, [0.5] * 3)]
+    # The last input holds until the end.
+    assert [tuple(curve) for curve in given.curves] == [
+        ("", output.curves[-1].colour if found is FOUND else "#d55e00", *HELD, True)
     ]
-    picture = as_picture(record, found)
-    assert "residual: ± does not hold" in picture and "input (friction 0.05)" in picture
-    curves = [part.split('"')[0].split() for part in picture.split('points="')[1:]]
-    below, above = (float(curves[3][end].split(",")[1]) for end in (0, -1))
-    assert above < below  # the record rises above the model
-    assert curves[4][-1].startswith("640.0,")  # the last input is held
+    assert len({curve.colour for curve in output.curves}) == len(names)
+    assert residual.curves[0].colour == output.curves[0].colour
 
 
 def test_report_has_each_doubt_of_the_uncertainty() -> None:

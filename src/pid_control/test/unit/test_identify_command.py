@@ -12,9 +12,16 @@ import rospy
 from std_msgs.msg import String
 
 from pid_control.commands import identify as identify_command
+from pid_control.identification.fit import identify as identify_plant
+from pid_control.identification.model_file import as_yaml
+from pid_control.identification.report import as_picture, as_text
+from pid_control.identification.response import Model
+from pid_control.identification.step_reading import read_step
 from pid_control.msg import motor_input, motor_output
 from pid_control.recording.bag_record import read_record
+from pid_control.recording.fields import FieldError
 from pid_control.recording.live_experiment import DriveError
+from plants import answered
 
 
 def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int, str, str]:
@@ -33,17 +40,24 @@ def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int
 @pytest.mark.parametrize(
     "arguments, why",
     [
-        (["{folder}/none.bag"], "No such file or directory"),
-        (["--largest", "0"], "--largest above it"),
-        (["--least", "nan"], "'nan' is not a finite number"),
-        (["--least", "low"], "'low' is not a finite number"),
-        (["--largest", "inf"], "'inf' is not a finite number"),
-        (["--seconds", "0"], "'0' must be from 1 to 3600 s"),
-        (["--model", "{folder}/no/m.yaml"], "no/m.yaml: No such file or directory"),
-        (["--picture", "{folder}/no/p.svg"], "no/p.svg: No such file or directory"),
+        (["{folder}/none.bag"], "{folder}/none.bag: No such file or directory"),
+        (["{folder}"], "{folder}: Is a directory"),
+        (["--largest", "0"], "--least must be at most 0, and --largest above it"),
+        (["--least", "0.1"], "--least must be at most 0, and --largest above it"),
+        (["--least", "nan"], "error: argument --least: 'nan' is not a finite number"),
+        (["--least", "low"], "error: argument --least: 'low' is not a finite number"),
+        (["--largest", "inf"], "error: argument --largest: 'inf' is not a finite number"),
+        (["--seconds", "0.99"], "error: argument --seconds: '0.99' must be from 1 to 3600 s"),
+        (["--seconds", "3601"], "error: argument --seconds: '3601' must be from 1 to 3600 s"),
+        (["--model", "{folder}/no/m.yaml"], "{folder}/no/m.yaml: No such file or directory"),
+        (["--picture", "{folder}/no/p.svg"], "{folder}/no/p.svg: No such file or directory"),
+        (["--start", "1"], "--start: only valid with a bag"),
         (["--end", "2"], "--end: only valid with a bag"),
         (["{folder}/none.bag", "--seconds", "5"], "--seconds: only valid without a bag"),
-        (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
+        (["{folder}/none.bag", "--least", "-1"], "--least: only valid without a bag"),
+        (["{folder}/none.bag", "--largest", "2"], "--largest: only valid without a bag"),
+        (["--model", "m.txt"], "error: argument --model: 'm.txt' does not end in .yaml or .yml"),
+        (["--picture", "p.png"], "error: argument --picture: 'p.png' does not end in .svg"),
     ],
 )
 def test_identify_invalid_argument_names_the_problem(
@@ -56,8 +70,10 @@ def test_identify_invalid_argument_names_the_problem(
     # Nothing is driven for a file that could not be written.
     monkeypatch.setattr(identify_command, "run", lambda *_: pytest.fail("a plant was driven"))
     words = [word.format(folder=tmp_path) for word in arguments]
-    status, _, errors = identify(capsys, *words)
-    assert status == 2 and why in errors
+    status, output, errors = identify(capsys, *words, "__ns:=/space")
+    assert (status, output) == (2, "")
+    assert errors.splitlines()[-1] == f"identify: {why.format(folder=tmp_path)}"
+    assert "Traceback" not in errors and not list(tmp_path.iterdir())
 
 
 def test_identify_without_options_drives_the_motor_of_its_namespace(
@@ -71,12 +87,40 @@ def test_identify_without_options_drives_the_motor_of_its_namespace(
     assert drive == ("motor_input/input", "motor_output/output", 0.0, 1.0, 10.0)
 
 
+@pytest.mark.parametrize("seconds", [1.0, 3600.0])
+def test_identify_drives_a_plant_as_told_and_writes_its_files(
+    seconds: float,
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+) -> None:
+    experiment = mock.Mock()
+    monkeypatch.setattr(identify_command, "LiveExperiment", experiment)
+    run = mock.Mock(side_effect=lambda name, make: make("node"))
+    monkeypatch.setattr(identify_command, "run", run)
+    limits = ["--least", "-0.5", "--largest", "2", "--seconds", str(seconds)]
+    model, picture = tmp_path / "m.YML", tmp_path / "p.svg"
+    files = ["--model", str(model), "--picture", str(picture)]
+    assert identify(capsys, "--input", "a/b", "--output", "c/d", *limits, *files) == (0, "", "")
+    assert run.call_args[0][0] == "identify" and not list(tmp_path.iterdir())
+    node, drive, report = experiment.call_args[0]
+    assert (node, drive) == ("node", ("a/b", "c/d", -0.5, 2.0, seconds))
+    record = answered([(1.0, 1.0)], Model(4.0, 1.0), 9.0, outputs=200)
+    report(record)
+    found = identify_plant(record)
+    assert capsys.readouterr().out == as_text(record, found, read_step(record)) + "\n"
+    assert model.read_text() == as_yaml(found, "c/d over a/b")
+    assert picture.read_text() == as_picture(record, found)
+
+
 def test_identify_that_cannot_drive_the_plant_says_why(
     monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     refuse = mock.Mock(side_effect=DriveError("/motor_input: driven by another node"))
     monkeypatch.setattr(identify_command, "run", refuse)
     assert identify(capsys) == (2, "", "identify: /motor_input: driven by another node\n")
+    refuse.side_effect = FieldError("/motor_input/x: unknown field 'x'")
+    assert identify(capsys) == (2, "", "identify: /motor_input/x: unknown field 'x'\n")
     monkeypatch.setattr(identify_command, "run", mock.Mock(side_effect=KeyboardInterrupt))
     assert identify(capsys) == (130, "", "")
 
@@ -101,6 +145,9 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     fields = ["--input", "/a/given/input", "--output", "/a/done/output"]
     times = read_record(path, fields[1], fields[3]).times
     assert numpy.diff(times) == pytest.approx(0.01)  # by the stamps
+    same = read_record(path, fields[3].replace("output", "time"), fields[3])
+    assert len(same.inputs) == 1000
+    assert same.inputs[-1] == pytest.approx(9.99) and same.outputs[-1] == pytest.approx(4.0)
     files = ["--model", str(tmp_path / "m.yaml"), "--picture", str(tmp_path / "p.svg")]
     status, output, errors = identify(capsys, path, *fields, *files)
     assert (status, errors) == (0, "")
@@ -110,15 +157,21 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     (line,) = [line for line in output.splitlines() if line.startswith("K   ")]
     assert float(line.split()[1]) == pytest.approx(8.0, abs=0.01)
     status, _, errors = identify(capsys, path, *fields, "--start", "0.5", "--end", "1.5")
-    assert status == 1
-    assert "record not usable: the input never changes: it is 0 throughout" in errors
+    why = f"identify: {path}: record not usable: "
+    assert (status, errors) == (1, f"{why}the input never changes: it is 0 throughout\n")
     status, output, errors = identify(capsys, path, *fields, "--start", "1.5", "--end", "9")
     assert (status, errors) == (0, "")
     assert output.startswith("7.5 s, 751 outputs, 1 changes of the input")
     status, _, errors = identify(capsys, path, *fields[:2], "--output", "/a/done/speed")
-    assert status == 2 and f"{path}: /a/done/speed: unknown field 'speed'" in errors
+    assert status == 2
+    has = "it has: output, time, status"
+    assert errors == f"identify: {path}: /a/done/speed: unknown field 'speed'; {has}\n"
     (tmp_path / "x.bag").write_text("no bag")
     status, _, errors = identify(capsys, str(tmp_path / "x.bag"), *fields)
     assert status == 2 and errors.startswith(f"identify: {tmp_path}/x.bag: ")
     status, _, errors = identify(capsys, path, *fields, "--start", "11")
-    assert status == 1 and "/a/done/output is not in this part of the bag" in errors
+    assert (status, errors) == (1, f"{why}/a/done/output is not in this part of the bag\n")
+    full = OSError(28, "No space left on device", "m.yaml")
+    with mock.patch.object(identify_command, "write_file", side_effect=full):
+        status, _, errors = identify(capsys, path, *fields, *files)
+    assert (status, errors) == (2, "identify: m.yaml: No space left on device\n")

@@ -88,6 +88,7 @@ def test_marks_are_round(low: float, high: float, count: int, marks: List[float]
 def test_axis_of_a_constant_has_a_range(value: float, marks: List[str]) -> None:
     text = "\n".join(plot(Panel("", [Curve("", "red", [0.0], [value])], 40.0), 100.0, 0.0, 0.0))
     assert re.findall('text-anchor="end">(.*)<', text) == marks
+    assert re.findall('"middle">(.*) s<', text) == ["0", "0.2", "0.4", "0.6", "0.8", "1"]
     assert "NaN" not in text and text.count('stroke="red"') == 1
 
 

@@ -154,6 +154,7 @@ def test_identify_bag_with_any_two_fields_is_accepted(
     origin = f"# Identified from {fields[3]} over {fields[1]} in {path}.\n"
     assert (tmp_path / "m.yaml").read_text().startswith(origin)
     assert (tmp_path / "p.svg").read_text().count("<polyline") >= 4
+    assert output.startswith("9.99 s, 1000 outputs, 2 changes of the input\n")
     (line,) = [line for line in output.splitlines() if line.startswith("K   ")]
     assert float(line.split()[1]) == pytest.approx(8.0, abs=0.01)
     status, _, errors = identify(capsys, path, *fields, "--start", "0.5", "--end", "1.5")

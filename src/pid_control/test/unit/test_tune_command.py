@@ -8,7 +8,7 @@ from unittest import mock
 import pytest
 import yaml
 
-from pid_control.commands import tune
+from pid_control.commands import identify, tune
 from pid_control.tuning.rules import METHODS
 
 
@@ -142,6 +142,18 @@ def test_tune_that_fails_has_its_status(
     said = f"tune: {why.format(model=model)}" if why else ""
     errors = capsys.readouterr().err
     assert end.value.code == status and errors.startswith(said) and bool(errors) is bool(why)
+
+
+@pytest.mark.parametrize("command", [tune, identify])
+def test_version_is_that_of_the_package(
+    command: Any, capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr("nodekit.package_version.package_version", "1.0 of {}".format)
+    name = command.__name__.rpartition(".")[2]
+    with pytest.raises(SystemExit) as end:
+        command._parser().parse_args(["--version"])
+    said = f"{name} of pid_control 1.0 of pid_control\n"
+    assert (end.value.code, capsys.readouterr().out) == (0, said)
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import math
 import xml.etree.ElementTree
+from unittest import mock
 
 import pytest
 
@@ -110,6 +111,44 @@ def test_table_and_picture_have_each_method() -> None:
     assert len(points[-1]) > len(points[len(METHODS)])
     for method in METHODS:
         assert method in picture
+
+
+def test_figures_of_a_response() -> None:
+    gains = Gains(SIMC, "", PI, 1.0, 1.0)
+    outputs = [0.0, -0.2, -1.0, -1.8, -2.1, -2.03, -2.05, -2.039]
+    times = [0.5 * number for number in range(8)]
+    response = closed_loop.Response(gains, times, outputs, [0.0] * 8, -2.0)
+    assert response.rise_time == 1.0  # from 10 % at 0.5 s to 90 % at 1.5 s
+    assert response.overshoot == pytest.approx(0.05)
+    assert response.settling_time == 3.0  # 2.05 is the last one more than 2 % away
+
+
+def test_picture_has_the_outputs_above_the_inputs(monkeypatch: "pytest.MonkeyPatch") -> None:
+    drawn = mock.Mock(return_value="picture")
+    monkeypatch.setattr(closed_loop, "as_svg", drawn)
+    one, other = (
+        closed_loop.Response(Gains(name, "", PI, 1.0, 1.0), [0.0, 1.0], [2.0, 3.0], [4.0, 5.0], 6.0)
+        for name in (SIMC, LAMBDA)
+    )
+    assert as_picture([one, other]) == "picture"
+    [(outputs, inputs)] = drawn.call_args[0]
+    assert (outputs.title, outputs.height, inputs.title, inputs.height) == (
+        "output",
+        160.0,
+        "input",
+        100.0,
+    )
+    times = [0.0, 1.0]
+    colours = [curve.colour for curve in outputs.curves]
+    assert len(set(colours)) == 3
+    assert [tuple(curve) for curve in outputs.curves] == [
+        ("set point", colours[0], times, [6.0, 6.0], False),
+        (SIMC, colours[1], times, [2.0, 3.0], False),
+        (LAMBDA, colours[2], times, [2.0, 3.0], False),
+    ]
+    assert [tuple(curve) for curve in inputs.curves] == [
+        ("", colour, times, [4.0, 5.0], True) for colour in colours[1:]
+    ]
 
 
 def test_response_that_begins_within_the_band_is_settled_from_the_start() -> None:

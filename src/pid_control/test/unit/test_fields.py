@@ -13,8 +13,11 @@ TOPICS = ["/motor", "/motor/input", "/other"]
 def test_field_of_prefers_the_longest_topic() -> None:
     assert field_of("/motor/input/data", TOPICS) == Field("/motor/input", "data")
     assert field_of("motor/speed", TOPICS) == Field("/motor", "speed")
-    with pytest.raises(FieldError, match="/motors/x: unknown topic; choose one of: /motor, "):
-        field_of("/motors/x", TOPICS)
+    assert str(field_of("motor/input/a/b/", TOPICS)) == "/motor/input/a/b"
+    for topics, names in ((reversed(TOPICS), "/motor, /motor/input, /other"), ([], "none")):
+        with pytest.raises(FieldError) as error:
+            field_of("/motors/x", list(topics))
+        assert str(error.value) == f"/motors/x: unknown topic; choose one of: {names}"
 
 
 def test_number_is_found_at_any_depth() -> None:
@@ -32,16 +35,18 @@ def test_number_is_found_at_any_depth() -> None:
     "path, why",
     [
         ("twist/linear", "/a/twist/linear is not a number; it has: x, y, z"),
-        ("twist/speed", "unknown field 'speed'; it has: linear, angular"),
-        ("__class__", "unknown field '__class__'"),
-        ("header/frame_id", "is not a number"),
-        ("header[0]", "is not an element"),
-        ("", "unknown field ''"),
+        ("twist/speed", "/a/twist/speed: unknown field 'speed'; it has: linear, angular"),
+        ("__class__", "/a/__class__: unknown field '__class__'; it has: header, twist"),
+        ("header/frame_id", "/a/header/frame_id is not a number"),
+        ("header[0]", "/a/header[0]: 'header[0]' is not an element of an array"),
+        ("header/seq/x", "/a/header/seq/x: unknown field 'x'"),
+        ("", "/a/: unknown field ''; it has: header, twist"),
     ],
 )
 def test_number_in_invalid_field_names_the_problem(path: str, why: str) -> None:
-    with pytest.raises(FieldError, match=why.replace("[", r"\[")):
+    with pytest.raises(FieldError) as error:
         number_in(TwistStamped(), Field("/a", path))
+    assert str(error.value) == why
 
 
 def test_put_number_sets_the_field() -> None:

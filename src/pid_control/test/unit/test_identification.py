@@ -8,6 +8,7 @@ from unittest import mock
 import numpy
 import pytest
 
+from pid_control.identification import fit
 from pid_control.identification.fit import Identification, identify
 from pid_control.identification.model_file import as_yaml
 from pid_control.identification.record import IdentificationError, Record, record_of
@@ -133,9 +134,16 @@ def test_identify_gain_hidden_by_noise_raises() -> None:
     noise = numpy.random.RandomState(1).normal(0.0, 0.1, len(times))
     record = record_of([0.0, 6.0], [0.0, 1.0], times, 3.0 * numpy.exp(-times) + step + noise)
     with pytest.raises(
-        IdentificationError, match="K .* not at all and T within .*: there is too little"
+        IdentificationError,
+        match="^by it K would be known not at all and T within . %: "
+        "there is too little in it, or too much noise$",
     ):
         identify(record)
+
+
+def test_uncertainty_of_an_error_is_a_share_or_unknown() -> None:
+    shares = [fit._within(share) for share in (0.034, 0.6, 0.99, 1.0, math.inf)]
+    assert shares == ["within 3 %", "within 60 %", "within 99 %", "not at all", "not at all"]
 
 
 def test_record_of_few_outputs_raises() -> None:

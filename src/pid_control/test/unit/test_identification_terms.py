@@ -164,7 +164,7 @@ def test_input_may_be_recorded_half_a_second_late_or_a_twentieth(
 
 def steps_of(plant: Model, start: float, largest: float, outputs: int = 400) -> Record:
     """Return the record of a plant whose inputs are fortieths of the largest, for 40 s."""
-    levels = [0.25, 1.0, -0.5, 0.75, 0.0, -1.0, 0.5, 0.0]
+    levels = [0.25, 1.0, -0.1, 0.75, 0.0, -0.2, 0.5, 0.0]
     changes = [[5.0 * number, largest * level] for number, level in enumerate(levels)]
     record = answered(changes, plant, 40.0, outputs=outputs)
     return record._replace(outputs=responses(record, candidate(plant, start)[None, :])[0])
@@ -175,11 +175,11 @@ def test_search_finds_a_plant_that_it_tries(times: float, delay: float, tau: int
     """Gains are multiples of the one that just reaches the limit."""
     constant = 40.0 * 0.5e-3 * 1000.0 ** (tau / 9.0)
     plant = Model(times * 6.0 / 8.0, constant, constant * delay, 0.0, 6.0, -20.0)
-    record = steps_of(plant, -20.0, 8.0)
-    largest = float(numpy.abs(record.outputs + 20.0).max())
-    assert largest == pytest.approx(6.0)
-    row = term_selection._begin(record, [3.0, 6.0, math.inf], -20.0)
-    assert row == pytest.approx(candidate(plant, record.outputs[0]))
+    for largest in (8.0, -8.0):
+        record = steps_of(plant, -20.0, largest)
+        assert numpy.abs(record.outputs + 20.0).max() == pytest.approx(6.0)
+        row = term_selection._begin(record, [3.0, 6.0, math.inf], -20.0)
+        assert row == pytest.approx(candidate(plant, record.outputs[0]))
     free = plant._replace(limit=math.inf)
     record = steps_of(free, -27.0, 8.0)
     assert term_selection._line(record) == pytest.approx(candidate(free, -27.0), abs=1e-6)
@@ -194,7 +194,7 @@ def test_added_limit_and_friction_begin_with_a_larger_gain() -> None:
     row = term_selection._with_start(record, fit, frozenset({OFFSET, LIMIT}))
     assert row == pytest.approx(candidate(plant, -20.0))
     plant = Model(-3.0, 1.0, 0.4, friction=0.4)
-    record = steps_of(plant, 0.0, 4.0)
+    record = steps_of(plant, 0.0, -4.0)
     fit.row = candidate(plant._replace(gain=-2.7, friction=0.0, dead_zone=0.5), 0.0)
     fit.terms = frozenset({DEAD_ZONE})
     row = term_selection._with_start(record, fit, frozenset({FRICTION}))
@@ -210,7 +210,11 @@ def test_first_fits_find_the_limit_of_either_sign() -> None:
                 [[0.0, 0.0], [2.0, 1.0], [8.0, 0.25]], Model(gain, 1.0, 0.2, 0.0, 2.0, offset), 16.0
             )
             terms = frozenset({LIMIT, OFFSET} if offset else {LIMIT})
-            best = min(term_selection._first_fits(record), key=lambda fit: fit.square)
+            with mock.patch.object(term_selection, "_begin", wraps=term_selection._begin) as begin:
+                best = min(term_selection._first_fits(record), key=lambda fit: fit.square)
+            if not offset:  # the limit may be the largest output, or noise may be beyond it
+                tried = [call[0][1] for call in begin.call_args_list[:2]]
+                assert tried == [[math.inf], pytest.approx([2.0, 1.7, 1.4], rel=1e-3)]
             assert terms <= best.terms
             assert best.row[LIMIT] == pytest.approx(2.0, rel=1e-3)
 

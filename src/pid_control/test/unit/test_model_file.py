@@ -47,19 +47,40 @@ def _pairs(text: str) -> list:
         ("[1, 2]", "not a mapping of names to values"),
         ("system_param_T: 1", "system_param_K is missing"),
         ("system_param_K: 1", "system_param_T is missing"),
+        ("{system_param_K: 1, system_param_T: -1}", "system_param_T must be above 0: -1"),
+        (
+            "{system_param_K: 1, system_param_T: 1, system_min_input: -0.1}",
+            "system_min_input must be at least 0: -0.1",
+        ),
         ("{system_param_K: x, system_param_T: 1}", "system_param_K must be a number: 'x'"),
         ("{system_param_K: true, system_param_T: 1}", "system_param_K must be a number: True"),
         ("{system_param_K: .nan, system_param_T: 1}", "system_param_K must be a number: nan"),
         ("{system_param_K: 0, system_param_T: 1}", "system_param_K must not be 0"),
-        ("{system_param_K: 1, system_param_T: 0}", "system_param_T must be above 0"),
+        ("{system_param_K: 1, system_param_T: 0}", "system_param_T must be above 0: 0"),
         (
             "{system_param_K: 1, system_param_T: 1, system_dead_time: -1}",
             "system_dead_time must be at least 0: -1",
         ),
-        ("{system_param_K: 1, system_param_T: 1, system_max_speed: 0}", "must be above 0: 0"),
-        ("a: [", "while parsing"),
+        (
+            "{system_param_K: 1, system_param_T: 1, system_max_speed: 0}",
+            "system_max_speed must be above 0: 0",
+        ),
     ],
 )
 def test_read_model_invalid_text_names_the_problem(text: str, why: str) -> None:
-    with pytest.raises(ModelError, match=why):
+    with pytest.raises(ModelError) as error:
         read_model(text)
+    assert str(error.value) == why
+
+
+def test_read_model_text_that_is_not_yaml_is_refused_on_one_line() -> None:
+    with pytest.raises(ModelError, match="^while parsing .* line 2, column 1.*$"):
+        read_model("a: [\n")
+
+
+def test_read_model_takes_each_value_and_limits_that_are_reached() -> None:
+    assert read_model("{system_param_K: -2, system_param_T: 1}") == Model(-2.0, 1.0)
+    text = "{system_param_K: 1, system_param_T: 2, system_dead_time: 3, system_min_input: 4, "
+    assert read_model(text + "system_max_speed: 5, a: b}") == Model(1.0, 2.0, 3.0, 4.0, 5.0)
+    zeros = "{system_param_K: 1, system_param_T: 2, system_dead_time: 0, system_min_input: 0, "
+    assert read_model(zeros + "system_max_speed: 1.0e+9}") == Model(1.0, 2.0)

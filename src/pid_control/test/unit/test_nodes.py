@@ -4,6 +4,7 @@ import math
 from typing import Any, List, Optional, Tuple, Type
 from unittest import mock
 
+import numpy
 import pytest
 from std_msgs.msg import Float64MultiArray
 
@@ -75,10 +76,12 @@ def test_motor_samples_its_input_and_delays_it_from_the_start_and_after_a_change
     motor._on_input(motor_input(1.0, 0.0))  # it arrives at 0.5 s, and is sampled at 0.8 s
     motor._publish(1.0)
     assert speed_of(node) == pytest.approx(2.0 * -math.expm1(-0.2))
-    motor._on_change(values.replace(system_sample_time=10.0, system_dead_time=0.0), values)
+    after = dict(system_sample_time=10.0, system_dead_time=0.0, system_param_K=4.0)
+    motor._on_change(values.replace(**after), values)
     motor._on_input(motor_input(0.0, 0.0))  # it is sampled at 10.8 s
     motor._publish(9.0)
-    assert speed_of(node) == pytest.approx(2.0 * -math.expm1(-8.2))
+    before = 2.0 * -math.expm1(-0.2)
+    assert speed_of(node) == pytest.approx(4.0 + (before - 4.0) * math.exp(-8.0))
 
 
 @pytest.mark.parametrize(
@@ -317,7 +320,8 @@ def test_controller_continues_from_its_last_input_after_missing_outputs(
 ) -> None:
     """With a timeout of 3 s none is missing."""
     rig = ControllerRig(clock, kp=0.08, ki=0.01, timeout=timeout)
-    steps = ((0.01, 0.0), (0.02, 1.0), (2.0, 1.0), (2.01, 1.0))
+    late = 1.0 if grows else 3.0
+    steps = ((0.01, 0.0), (0.02, 1.0), (2.0, late), (2.01, late))
     inputs = [rig.sent(time, speed)[0][0] for time, speed in steps]
     growth = 1.98 * 0.01 * 3.0 if grows else 0.0
     assert inputs[2] == pytest.approx(inputs[1] + growth) and inputs[3] > inputs[2]
@@ -379,6 +383,7 @@ def test_controller_silent_motor_gets_0_once_and_then_a_first_input(
     assert rig.heard() == []
     for _ in range(2):
         clock.now += 0.6
+        rig.controller._on_set_point(set_point(4.0, 0.0))
         rig.controller._check_silence(0.0)
     assert rig.heard() == [(0.0, 0.01)]
     assert warnings == ["/motor_output: nothing for 0.5 s: the input is 0"]
@@ -518,7 +523,11 @@ def test_course_names_are_copied_to_private_parameters_that_are_unset(
 
 
 def experiment_on(
-    monkeypatch: "pytest.MonkeyPatch", output: str = "motor_output/output", *others: str
+    monkeypatch: "pytest.MonkeyPatch",
+    output: str = "motor_output/output",
+    *others: str,
+    given: str = "motor_input/input",
+    now: float = 0.0,
 ) -> Tuple[Any, mock.MagicMock]:
     """Return an experiment of /identify, of which the master knows an earlier one, and its node.
 
@@ -534,10 +543,10 @@ def experiment_on(
         "/foreign": "no_such_package/Type",
     }
     monkeypatch.setattr(live_experiment, "MasterClient", master)
-    monkeypatch.setattr("rospy.get_time", lambda: 0.0)
+    monkeypatch.setattr("rospy.get_time", lambda: now)
     node = mock.MagicMock(resolve=lambda name: "/" + name)
     node.name = "/identify"
-    drive = DriveSettings("motor_input/input", output, -0.25, 1.0, 10.0)
+    drive = DriveSettings(given, output, -0.25, 1.0, 10.0)
     return LiveExperiment(node, drive, mock.Mock()), node
 
 
@@ -589,12 +598,14 @@ def test_identify_ends_with_a_record_of_all_inputs_and_outputs(
     monkeypatch.setattr(live_experiment, "abort", abort)
     monkeypatch.setattr("rospy.signal_shutdown", shutdown)
     for number in range(110):
-        monkeypatch.setattr("rospy.get_time", lambda: 50.0 + 0.1 * number)
+        late = 0.02 * (number % 2)  # the stamps say when it was measured
+        monkeypatch.setattr("rospy.get_time", lambda: 50.0 + 0.1 * number + late)
         experiment._on_output(motor_output(0.5 * number, 0.1 * number, ""))
         experiment._send(0.1 * number)
     [(record,)] = [call[0] for call in experiment._on_record.call_args_list]
     assert record.duration == pytest.approx(10.0, abs=0.3) and record.left_out == 0
     assert record.outputs[:3].tolist() == [0.0, 0.5, 1.0]
+    assert numpy.diff(record.times) == pytest.approx(0.1)
     assert (record.inputs.min(), record.inputs.max()) == (-0.25, 1.0)
     experiment._end()  # the shutdown's
     assert abort.call_args_list == ([mock.call(why)] if why else [])
@@ -634,6 +645,26 @@ def test_identify_names_what_it_cannot_drive_or_hear(
     with pytest.raises(error) as raised:
         experiment_on(monkeypatch, output, *others)
     assert str(raised.value) == why
+
+
+def test_identify_input_that_is_missing_is_named_before_anything_is_sent(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    with pytest.raises(
+        FieldError, match="^/motor_input/u: unknown field 'u'; it has: input, time$"
+    ):
+        experiment_on(monkeypatch, given="motor_input/u")
+
+
+def test_identify_waits_3_s_for_the_first_output(monkeypatch: "pytest.MonkeyPatch") -> None:
+    experiment, node = experiment_on(monkeypatch, now=50.0)
+    abort = mock.Mock()
+    monkeypatch.setattr(live_experiment, "abort", abort)
+    for now, aborts in ((52.9, 0), (53.1, 1)):
+        monkeypatch.setattr("rospy.get_time", lambda: now)
+        experiment._check_silence(0.0)
+        assert abort.call_count == aborts
+    assert not node.create_publisher.return_value.publish.called
 
 
 def test_identify_element_of_an_array_is_an_output(monkeypatch: "pytest.MonkeyPatch") -> None:

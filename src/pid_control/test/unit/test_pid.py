@@ -215,6 +215,23 @@ def test_resume_continues_from_output_also_at_a_limit() -> None:
     assert law.update(5.0, 6.0, DT).output < 1.0
 
 
+def test_resume_is_not_forgotten_by_a_change_before_the_next_measurement() -> None:
+    law = Pid(PidSettings(PI, 0.08, 1.5))
+    law.resume(0.5)
+    law.change(PidSettings(PI, 0.1, 1.5))
+    assert law.update(5.0, 4.0, 0.0).output == pytest.approx(0.5)
+
+
+def test_change_to_a_higher_limit_continues_from_the_lower_one() -> None:
+    settings = PidSettings(PI, 0.08, 1.5, output_min=-0.25, output_max=0.5, anti_windup=NONE)
+    for sign, limit in ((1.0, 0.5), (-1.0, -0.25)):
+        law = Pid(settings)
+        for _ in range(100):
+            assert law.update(5.0 * sign, 0.0, DT).unlimited != limit
+        law.change(settings._replace(output_min=-9.0, output_max=9.0))
+        assert law.update(5.0 * sign, 0.0, DT).output == pytest.approx(limit)
+
+
 def test_resume_forgets_the_derivative() -> None:
     law = Pid(FREE)
     for speed in (1.0, 1.5):
@@ -230,6 +247,16 @@ def test_mode_without_derivative_has_none_left(mode: str) -> None:
         assert law.update(5.0, speed, DT).derivative <= 0.0
     law.change(FREE._replace(mode=mode))
     assert law.update(5.0, 2.0, DT).derivative == 0.0
+
+
+def test_mode_without_integral_clears_it() -> None:
+    settings = PidSettings(PI, 0.08, 1.5)
+    law = Pid(settings)
+    for _ in range(30):
+        law.update(5.0, 4.0, DT)
+    law.change(settings._replace(mode=P))
+    for _ in range(2):
+        assert law.update(5.0, 4.0, DT)[1:] == pytest.approx((0.0, 0.0, 0.0, 0.08, 0.08))
 
 
 def test_reset_restores_initial_state() -> None:

@@ -50,10 +50,11 @@ def test_examine_residual_that_depends_on_the_input_does_not_fit(
 def test_examine_alarms_once_in_a_thousand_records() -> None:
     """The share of the input in the residual at which it follows, by an F test of 16 values."""
     record, noise = record_and_noise(2, 0.0)
-    noise = noise - noise.mean()
+    noise, model = noise - noise.mean(), Model(1.0, 2.0, 7.0)
     columns = []
     for lag in (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0):
-        held = numpy.searchsorted(record.changed_at, TIMES - lag, side="right") - 1
+        acting = TIMES - 7.0 - 2.0 * lag
+        held = numpy.searchsorted(record.changed_at, acting, side="right") - 1
         inputs = record.inputs[numpy.maximum(held, 0)]
         columns += [inputs, inputs**2]
     past = numpy.column_stack(columns) - numpy.mean(columns, axis=1)
@@ -62,7 +63,7 @@ def test_examine_alarms_once_in_a_thousand_records() -> None:
     edge = 16.0 * stats.f.isf(1e-3, 16, 1984) / 1984.0 * float(rest @ rest)
     for column in range(16):
         for factor, follows in ((0.9, False), (1.1, True)):
-            found = examine(record, rest + math.sqrt(factor * edge) * axes[:, column], MODEL)
+            found = examine(record, rest + math.sqrt(factor * edge) * axes[:, column], model)
             assert found.follows_input is follows, (column, factor)
 
 
@@ -85,7 +86,7 @@ def test_examine_residual_of_rounding_fits() -> None:
 def test_examine_few_independent_outputs_cannot_tell() -> None:
     for alike in (0.975, 0.999):
         found = examine(*record_and_noise(1, alike), MODEL)
-        assert not found.can_tell and not found.fits
+        assert (found.can_tell, found.follows_input, found.fits) == (False, False, False)
     # The 14 independent ones of 16 values need 28 independent outputs.
     for count, can_tell in ((27, False), (28, True)):
         record, noise = record_and_noise(1, 0.0)

@@ -1,6 +1,7 @@
 """Tests of the times of samples."""
 
 from typing import List, Optional
+from unittest import mock
 
 import pytest
 
@@ -30,3 +31,4 @@ def test_times_stamps_that_do_not_increase_are_ignored(stamps: List[Optional[flo
 def test_stamp_is_the_field_time() -> None:
     assert stamp_of(motor_output(1.0, 2.5, "")) == 2.5
     assert stamp_of(object()) is None
+    assert stamp_of(mock.Mock(time=5)) is None  # not the course's, but a time of another type

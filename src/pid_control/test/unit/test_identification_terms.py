@@ -282,7 +282,11 @@ def test_dead_zone_among_many_levels_lies_between_its_neighbours(zone: float) ->
 def test_dead_zone_needs_two_levels() -> None:
     record = answered([[0.0, 1.0], [2.0, -1.0]], Model(2.0, 1.0), 9.0)
     terms = frozenset({DEAD_ZONE})
-    assert term_selection._with_dead_zone(record, candidate(Model(2.0, 1.0), 0.0), terms) is None
+    row = candidate(Model(2.0, 1.0), 0.0)
+    assert term_selection._with_dead_zone(record, row, terms) is None
+    record = answered([[0.0, 0.5], [2.0, -1.0]], Model(2.0, 1.0, 0.0, 0.6), 9.0)
+    found = term_selection._with_dead_zone(record, row, terms)
+    assert found is not None and found.row[DEAD_ZONE] == 0.75
 
 
 def assert_within(

@@ -240,6 +240,15 @@ def test_resume_forgets_the_derivative() -> None:
     assert law.update(5.0, 4.0, 0.0).derivative == 0.0
 
 
+def test_manual_mode_ends_without_a_derivative_of_the_time_before() -> None:
+    law = Pid(FREE)
+    law.update(5.0, 1.0, 0.0)
+    law.change(FREE._replace(mode=MANUAL))
+    law.update(5.0, 4.0, DT)
+    law.change(FREE)
+    assert law.update(5.0, 4.0, DT).derivative == 0.0
+
+
 @pytest.mark.parametrize("mode", [P, PI])
 def test_mode_without_derivative_has_none_left(mode: str) -> None:
     law = Pid(FREE)

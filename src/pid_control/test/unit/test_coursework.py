@@ -1,11 +1,12 @@
 """Tests of finding a coursework in a package."""
 
 import pathlib
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import pytest
 from geometry_msgs.msg import TwistStamped, Vector3Stamped
-from std_msgs.msg import Bool, Float32, Float32MultiArray, String
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Bool, Float32, Float32MultiArray, Int32, String
 
 from pid_control.programs.node_queries import NodeTopics
 from pid_control.programs.program_command import CommandError
@@ -18,6 +19,7 @@ from pid_control.signal_runner.coursework import (
     yaml_files,
 )
 from pid_control.signal_runner.coursework_finder import CourseworkFinder
+from pid_control.signal_judging.scenarios import SCENARIO_METRICS
 from pid_control.signal_runner.message_numbers import numbers_in
 from pid_control.signal_runner.node_pair import choose_pair, describe_topics
 
@@ -96,16 +98,23 @@ def test_find_coursework_given_launch_file_gets_its_arguments() -> None:
     folder = str(COURSEWORKS / "sine_classes")
     found = find_coursework(folder, ["both.launch", "amplitude:=7.5"], dict(ENVIRONMENT))
     assert found.parameters["/lab/source/amplitude"] == 7.5
-    with pytest.raises(CommandError, match=r"not found \(x.launch\); the package has: both.launch"):
+    assert found.arguments == ["amplitude:=7.5"]
+    path = f"{folder}/launch/both.launch"
+    assert found.launch_file == path == find_coursework(folder, [path], ENVIRONMENT).launch_file
+    says = r"^launch file not found \(x.launch\); the package has: both.launch$"
+    with pytest.raises(CommandError, match=says):
         find_coursework(folder, ["x.launch"], dict(ENVIRONMENT))
-    with pytest.raises(CommandError, match=r"must be a launch file of the package \(x.py\)"):
+    with pytest.raises(CommandError, match=r"^must be a launch file of the package \(x.py\)$"):
         find_coursework(folder, ["x.py"], dict(ENVIRONMENT))
+    with pytest.raises(CommandError, match=r"^launch file not found \(x.launch\); .* has: none$"):
+        find_coursework("/proc/self/ns", ["x.launch"], dict(ENVIRONMENT))
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (node("process.py"), "a.launch: starts 1 node of it$"),
+        (node("process.py"), "/a.launch: starts 1 node of it$"),
+        ("", "/a.launch: starts no nodes of it$"),
         (node("process.py") + node("talker.py"), "^talker.py: not found in the package"),
         ('<arg name="x" value="$(eval 1/0)"/>', "a.launch: .*division by zero"),
     ],
@@ -145,7 +154,12 @@ def test_find_coursework_keeps_remappings_and_leaves_parameters_of_others(
     found = find_coursework(folder, [], dict(ENVIRONMENT))
     assert found.parameters == {"/gain": 2}
     assert found.nodes[1].command.argv[-1] == "x:=y"
-    assert "ROS_NAMESPACE" not in good("sine_classes").nodes[0].command.environment
+    for command in (good("sine_classes").nodes[0].command, found.nodes[1].command):
+        assert not {"ROS_NAMESPACE", "ROS_MASTER_URI"} & set(command.environment)
+        assert command.environment["PATH"] == ENVIRONMENT["PATH"]
+    command = found.nodes[1].command
+    path = f"{folder}/scripts/signal.py"
+    assert command[:2] == (path, [path, "x:=y"]) and command[3:] == ({}, {}, (), folder)
 
 
 def test_find_coursework_moves_private_parameters_from_arguments(tmp_path: pathlib.Path) -> None:
@@ -165,6 +179,9 @@ def test_find_coursework_reports_a_launch_file_of_one_node(tmp_path: pathlib.Pat
     found = find_coursework(folder, [], dict(ENVIRONMENT))
     assert len(found.nodes) == 2
     assert found.missing.startswith("a.launch starts 1 node of it; b.launch cannot be loaded: ")
+    assert found.missing.endswith(" not well-formed (invalid token): line 1, column 15")
+    assert (found.folder, found.package, found.launch_file) == (folder, "anna", "")
+    assert (found.arguments, found.parameters) == ([], {})
 
 
 def test_find_coursework_names_the_package_of_a_foreign_launch_file(
@@ -221,8 +238,16 @@ def test_find_coursework_takes_built_programs_and_sources_of_scripts(
 
 def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Path) -> None:
     folder = package(tmp_path, {}, "a.py", "b.py")
-    with pytest.raises(CommandError, match="--nodes PROGRAM,PROGRAM"):
-        find_coursework(folder, [], dict(ENVIRONMENT))
+    for why in ("it has no launch file", "one.launch starts 1 node of it"):
+        with pytest.raises(CommandError) as error:
+            find_coursework(folder, [], dict(ENVIRONMENT))
+        assert str(error.value) == (
+            "no signal generator and process node found: no launch file starts two nodes of the"
+            f" package ({why}), and no two programs have such names; name both: --nodes"
+            " PROGRAM,PROGRAM"
+        )
+        (tmp_path / "one.launch").write_text(f"<launch>{node('a.py')}</launch>")
+    (tmp_path / "one.launch").unlink()
     found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
     assert [node.program for node in found.nodes] == ["a.py", "b.py"]
     with pytest.raises(CommandError, match=r"c\.py: not found in the package \("):
@@ -245,7 +270,39 @@ def test_find_coursework_named_programs_are_the_only_ones_of_a_launch_file(
     folder = package(tmp_path, {"a.launch": "".join(map(node, names))}, *names)
     found = find_coursework(folder, [], dict(ENVIRONMENT), ["signal.py", "process.py"])
     assert [node.program for node in found.nodes] == ["process.py", "signal.py"]
-    assert "not started: talker.py of anna" in found.notes
+    assert found.notes == ["launch file: a.launch", "not started: talker.py of anna"]
+    names_ = node("signal.py", name="one") + node("process.py", name="two") + node("talker.py")
+    (tmp_path / "a.launch").write_text(f"<launch>{names_}</launch>")
+    found = find_coursework(folder, [], dict(ENVIRONMENT), ["one", "two"])
+    assert [node.program for node in found.nodes] == ["process.py", "signal.py"]
+
+
+def test_find_coursework_starts_eight_nodes_at_most_likely_process_nodes_first(
+    tmp_path: pathlib.Path,
+) -> None:
+    names = [f"n{index}.py" for index in range(9)]
+    launch = "".join(map(node, names)) + node("last.py", name="Proc")
+    folder = package(tmp_path, {"a.launch": launch}, *names, "last.py")
+    (tmp_path / "scripts" / "n3.py").chmod(0o644)
+    (tmp_path / "scripts" / "last.py").write_text("x")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert [node.program for node in found.nodes] == ["last.py", *names[:7]]
+    scripts = tmp_path / "scripts"
+    assert found.notes == [
+        f"{scripts}/n3.py: not executable; started with python3",
+        f"{scripts}/last.py: the first line does not begin with #!; started with python3",
+        "launch file: a.launch",
+    ]
+
+
+def test_find_coursework_program_that_runs_twice_is_repaired_once(tmp_path: pathlib.Path) -> None:
+    launch = node("process.py") + node("process.py", name="again")
+    folder = package(tmp_path, {"a.launch": launch}, "process.py")
+    (tmp_path / "scripts" / "process.py").chmod(0o644)
+    assert find_coursework(folder, [], dict(ENVIRONMENT)).notes == [
+        f"{folder}/scripts/process.py: not executable; started with python3",
+        "launch file: a.launch",
+    ]
 
 
 def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> None:
@@ -260,6 +317,43 @@ def test_names_in_source_have_their_numeric_default(tmp_path: pathlib.Path) -> N
     assert found.mentions("gain") and not found.mentions("gai")
     (tmp_path / "x.py").write_text("get_param('~a', 'sine'), get_param('b', True), get_param('c')")
     assert found.names_in_source(str(tmp_path / "x.py")) == [("c", 1.1)]
+    assert found.names_in_source(str(tmp_path / "gone.py")) == []
+    texts = ("[1.0]", "{}", "False", "true", "false", '"a"', "'a'", "2", "1e-3", "RATE", "")
+    text = "".join(f'nh.getParam("{index}", {one});' for index, one in enumerate(texts))
+    text += 'nh.param<double>("/a/x", x, 1.0); searchParam( "~y" ,-2.5); other("z", 1)'
+    (tmp_path / "x.cpp").write_text(text)
+    assert found.names_in_source(str(tmp_path / "x.cpp")) == [
+        ("7", 2.0),
+        ("8", 0.001),
+        ("9", 1.1),
+        ("10", 1.1),
+        ("/a/x", 1.1),
+        ("~y", -2.5),
+    ]
+
+
+def test_names_are_quoted_by_programs_and_mentioned_by_any_source(tmp_path: pathlib.Path) -> None:
+    launch = node("signal.py") + node("process.py")
+    folder = package(tmp_path, {"a.launch": launch}, "signal.py", "process.py")
+    (tmp_path / "scripts" / "process.py").open("a").write("x = '~gain', 'a/rate', 'omega_2'\n")
+    (tmp_path / "scripts" / "helper.cpp").write_text('"size" offset')
+    (tmp_path / "scripts" / "notes.txt").write_text("'text'")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    names = ("gain", "rate", "omega", "omega_2", "size", "offset", "text", "g.in")
+    assert [name for name in names if found.mentions(name)] == [
+        "gain",
+        "rate",
+        "omega_2",
+        "size",
+        "offset",
+    ]
+    assert [name for name in names if found.quotes(name)] == ["gain", "rate", "omega_2"]
+    # The source of a built program may be any; one may be gone.
+    built = found.nodes[0].command._replace(name="/devel/lib/anna/process")
+    found = found._replace(nodes=[found.nodes[0]._replace(command=built), found.nodes[1]])
+    assert [name for name in names if found.quotes(name)] == ["gain", "rate", "omega_2", "size"]
+    (tmp_path / "scripts" / "gone.py").symlink_to("nowhere")
+    assert found.quotes("size")
 
 
 def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) -> None:
@@ -269,9 +363,17 @@ def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) ->
     assert not has_coursework(folder)
     (tmp_path / "scripts" / "process_signal.py").write_text("")  # one node is not two
     assert not has_coursework(folder)
-    (tmp_path / "scripts" / "signal_generator.cpp").write_text("")
-    assert has_coursework(folder) and CourseworkFinder([]).is_in(folder)
+    for name in ("Signal", "gen.h", "publ.launch"):
+        (tmp_path / "scripts" / name).write_text("")  # no source of a program
+    assert not has_coursework(folder) and not CourseworkFinder([]).is_in(folder)
+    for name in ("generator.cpp", "Sine.cc", "gen.py", "SIGNAL.py", "publisher.cpp"):
+        (tmp_path / "scripts" / name).write_text("")
+        assert has_coursework(folder) and CourseworkFinder([]).is_in(folder)
+        (tmp_path / "scripts" / name).unlink()
     assert CourseworkFinder(["a.launch"]).words(folder, None) == [folder, "a.launch"]
+    finder = CourseworkFinder([])
+    assert (finder.subject, finder.hint(folder)) == ("package", "")
+    assert finder.figures is SCENARIO_METRICS
     (tmp_path / "CMakeLists.txt").write_text("add_executable(signal signal.cpp)")
     assert not CourseworkFinder([]).is_built_by(folder)  # has_coursework sees its source
 
@@ -286,9 +388,13 @@ def test_files_of_a_package_are_found() -> None:
 
 
 def test_hidden_yaml_files_are_not_of_the_coursework(tmp_path: pathlib.Path) -> None:
-    for name in (".travis.yml", "values.yml"):
+    names = [*(f"{letter}.yaml" for letter in "abcdefgh"), "values.yml"]
+    for name in (".travis.yml", *reversed(names), "values.yml.old"):
         (tmp_path / name).write_text("a: 1")
-    assert yaml_files(str(tmp_path)) == [str(tmp_path / "values.yml")]
+        (tmp_path / f"{name}.launch").write_text("")
+    assert yaml_files(str(tmp_path)) == [str(tmp_path / name) for name in names]
+    files = [f"{name}.launch" for name in (".travis.yml", *names, "values.yml.old")]
+    assert launch_files(str(tmp_path)) == [str(tmp_path / name) for name in files]
 
 
 def test_package_folder_is_absolute(
@@ -305,12 +411,29 @@ def test_package_folder_is_absolute(
 
 
 def test_package_folder_names_the_missing_file(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(CommandError, match="no package.xml in it"):
-        package_folder(str(tmp_path), {})
-    with pytest.raises(CommandError, match="folder not found"):
-        package_folder(str(tmp_path / "x"), {})
-    with pytest.raises(CommandError, match="package not found in ROS_PACKAGE_PATH"):
-        package_folder("no_such_package_anywhere", {"ROS_PACKAGE_PATH": str(tmp_path)})
+    place = str(tmp_path)
+    for word, says in (
+        (place, f"{place}: no package.xml in it: not a ROS package"),
+        (f"{place}/x", f"folder not found ({place}/x)"),
+        ("no_such_package", "package not found in ROS_PACKAGE_PATH (no_such_package)"),
+    ):
+        with pytest.raises(CommandError) as error:
+            package_folder(word, {"ROS_PACKAGE_PATH": place})
+        assert str(error.value) == says
+    (tmp_path / "package.xml").write_text("<package/>")
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path)
+    assert package_folder(str(link), {}) == place
+
+
+class Nested:
+    """Message with a number, an array, and a message of its own type."""
+
+    __slots__ = ("header", "x", "some", "inner")
+    _slot_types = ("Header", "float64", "float64[]", "Nested")
+
+    def __init__(self, x: float, inner: Any) -> None:
+        self.header, self.x, self.some, self.inner = 9.0, x, (True, x, "a"), inner
 
 
 def test_numbers_in_messages_of_any_depth() -> None:
@@ -321,7 +444,18 @@ def test_numbers_in_messages_of_any_depth() -> None:
     assert numbers_in(Float32MultiArray(data=[1.0] * 99)) == {
         f"data[{index}]": 1.0 for index in range(8)
     }
-    assert numbers_in(String("x")) == numbers_in(Bool(True)) == {}
+    assert numbers_in(String("x")) == numbers_in(Bool(True)) == numbers_in(Clock()) == {}
+    assert str(numbers_in(Int32(3))) == "{'data': 3.0}"
+    assert numbers_in(Nested(1.0, Nested(2.0, Nested(3.0, Nested(4.0, Nested(5.0, None)))))) == {
+        "x": 1.0,
+        "some[1]": 1.0,
+        "inner/x": 2.0,
+        "inner/some[1]": 2.0,
+        "inner/inner/x": 3.0,
+        "inner/inner/some[1]": 3.0,
+        "inner/inner/inner/x": 4.0,
+        "inner/inner/inner/some[1]": 4.0,
+    }
     assert {name for name in numbers_in(TwistStamped()) if "x" in name} == {
         "twist/linear/x",
         "twist/angular/x",
@@ -358,6 +492,19 @@ def test_pair_of_nodes_that_receive_each_other_is_chosen_by_name() -> None:
     for nodes in ([process, generator], [generator, process]):
         pair = choose_pair(nodes, found)
         assert pair is not None and pair.process is process
+    # Also by its program, rather than by its namespace; of equal ones, that of the other's.
+    plain = generator._replace(name="listener", program="listener.py")
+    for process in (plain._replace(program="proc.py"), plain._replace(name="proc")):
+        process = process._replace(namespace="/other/")
+        found[process.global_name] = topics({"/p": "F"}, {"/s": "F"})
+        found[plain.global_name] = topics({"/q": "F"}, {"/s": "F"})
+        pair = choose_pair([plain, process, generator], found)
+        assert pair is not None and pair.process is process
+    far = plain._replace(namespace="/other/")
+    found[far.global_name] = topics({"/p": "F"}, {"/s": "F"})
+    for nodes in ([far, plain, generator], [plain, far, generator]):
+        pair = choose_pair(nodes, found)
+        assert pair is not None and pair.process is plain
 
 
 def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:

@@ -25,7 +25,7 @@ def numbers_in(message: Any, prefix: str = "", depth: int = 0) -> Dict[str, floa
                     found[f"{prefix}{name}[{index}]"] = float(one)
         elif _is_number(value):
             found[prefix + name] = float(value)
-        elif hasattr(value, "_slot_types") and depth < _DEEPEST:
+        elif not hasattr(value, "to_sec") and depth < _DEEPEST:  # not a time
             found.update(numbers_in(value, f"{prefix}{name}/", depth + 1))
     return found
 

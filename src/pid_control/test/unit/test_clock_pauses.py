@@ -31,12 +31,35 @@ def with_pauses(moved: Sequence[bool], jump: float = 0.2) -> Callable[[float], f
 
 @pytest.mark.parametrize(
     ("moved", "answer"),
-    [([True] * 8, True), ([True] * 6 + [False] * 2, True), ([True] * 4 + [False] * 4, None)],
+    [
+        ([True] * 8, True),
+        ([True] * 6 + [False] * 2, True),
+        ([True] * 5 + [False] * 3, None),
+        ([True] * 4 + [False] * 4, None),
+        ([True] * 3 + [False] * 5, False),
+    ],
 )
 def test_values_that_move_in_most_pauses_depend_on_the_machine_clock(
     moved: List[bool], answer: object
 ) -> None:
-    assert moved_in_pauses(record(with_pauses(moved)), PAUSES) is answer
+    found = record(with_pauses(moved))
+    assert moved_in_pauses(found, PAUSES) is answer
+    falling = found._replace(values=[-value for value in found.values])
+    assert moved_in_pauses(falling, PAUSES) is answer
+    broken = found._replace(times=[0.0, *found.times], values=[math.nan, *found.values])
+    assert moved_in_pauses(broken, PAUSES) is answer
+
+
+def test_a_move_is_more_than_twice_the_usual_changes() -> None:
+    for jump, answer in ((0.005, False), (0.015, True)):  # beside 0.01 of a usual change
+        assert moved_in_pauses(record(with_pauses([True] * 8, jump)), PAUSES) is answer
+
+
+def test_pause_after_the_first_or_before_the_last_message_counts() -> None:
+    for pause in (0.05, 2.55):
+        moved = record(lambda time: 0.01 * time + (time > pause))
+        assert moved_in_pauses(moved, [pause]) is True
+        assert moved_in_pauses(moved, [-0.05, pause]) is True  # one before it has no change
 
 
 @given(
@@ -67,6 +90,10 @@ def test_constant_does_not_move() -> None:
 
 
 def test_few_messages_are_no_evidence() -> None:
+    moved = record(with_pauses([True] * 3 + [False] * 5))
+    # Of ten changes beside those of three pauses, but not of nine.
+    assert moved_in_pauses(moved.between(0.0, 1.35), PAUSES[:3]) is True
+    assert moved_in_pauses(moved.between(0.0, 1.25), PAUSES[:3]) is False
     moved = record(with_pauses([True] * 8))
     assert moved_in_pauses(moved.between(1.9), PAUSES) is False
     later = [5.0 + number for number in range(20)]  # without messages

@@ -87,6 +87,8 @@ def test_process_features_rectified_sine_is_recognised(
     assert found.gain == pytest.approx(gain, rel=0.05)
     assert found.shift_error(shift) < 0.05
     assert found.shift_error(shift + math.pi) < 0.05
+    assert found.lowest == pytest.approx(offset, abs=0.4 * gain)
+    assert found.distortion < 0.05
 
 
 @given(st.floats(0.1, 2.0), st.floats(-3.0, 3.0))
@@ -95,7 +97,38 @@ def test_process_features_half_wave_is_recognised(gain: float, shift: float) -> 
     assert found.shape == HALF
     assert found.gain == pytest.approx(gain, rel=0.02)
     assert found.shift_error(shift) < 0.02
-    assert found.lowest == 0.0
+    assert found.lowest == 0.0 and found.distortion < 1e-6
+
+
+def test_process_features_half_wave_may_have_noise_but_no_values_below_0() -> None:
+    for lowest, shape in ((0.05, HALF), (0.07, SINE), (-0.05, HALF), (-0.07, SINE)):
+        found = processed(lambda x: max(0.0, 3.0 * math.sin(x)) or lowest)
+        assert found.shape == shape
+    clipped = processed(lambda x: max(-0.2, math.sin(x)))
+    assert clipped.shape == SINE and clipped.distortion > 0.1
+
+
+@pytest.mark.parametrize("shape", [RECTIFIED, HALF])
+def test_process_features_shape_that_does_not_fit_is_a_distorted_sine(shape: str) -> None:
+    for size, found in ((0.14, shape), (0.18, SINE)):
+        wave = processed(
+            lambda x: (
+                max(0.0, math.sin(x) + size * math.sin(3.0 * x))
+                if shape == HALF
+                else abs(math.sin(x)) + size * math.sin(7.0 * x)
+            )
+        )
+        assert wave.shape == found
+
+
+def test_process_features_distortion_is_the_share_of_what_does_not_fit() -> None:
+    third = 0.1 * math.sqrt(0.5)  # RMS
+    found = processed(lambda x: 6.0 * (math.sin(x + 1.0) + 0.1 * math.sin(3.0 * x)))
+    assert (found.shape, found.distortion) == (SINE, pytest.approx(third, rel=0.05))
+    found = processed(lambda x: 6.0 * abs(math.sin(x + 1.0)) + 0.6 * math.sin(7.0 * x))
+    assert (found.shape, found.distortion) == (RECTIFIED, pytest.approx(third, rel=0.1))
+    found = processed(lambda x: 6.0 * max(0.0, math.sin(x) + 0.1 * math.sin(3.0 * x)))
+    assert (found.shape, found.distortion) == (HALF, pytest.approx(third * math.sqrt(0.5), rel=0.2))
 
 
 def test_process_features_other_shape_is_distorted() -> None:
@@ -121,7 +154,8 @@ def test_process_features_of_constant_output_are_missing() -> None:
     ("of", "is_like"),
     [
         (lambda time: math.sin(2.0 * time), True),
-        (lambda time: math.sin(2.0 * time) + 0.28 * math.sin(6.0 * time), True),
+        (lambda time: math.sin(2.0 * time) + 0.40 * math.sin(6.0 * time), True),
+        (lambda time: math.sin(2.0 * time) + 0.45 * math.sin(6.0 * time), False),
         (lambda time: max(0.0, math.sin(2.0 * time + 0.8)), True),  # 0 in the last quarter period
         (lambda time: 10.0 + 5.0 * 0.5 ** (10.0 * time), False),
         (lambda time: 1.0, False),
@@ -136,6 +170,18 @@ def test_is_sine_like_half_wave_may_end_with_its_zeros() -> None:
     half = record(lambda time: max(0.0, math.sin(time + 0.45)))
     assert set(half.between(9.0).values) == {0.0}
     assert is_sine_like(half, 1.0, 0.0, 12.0)
+    # What only rises for less than a period may settle.
+    assert not is_sine_like(record(lambda time: math.sin(0.1 * time - 0.6)), 0.1, 0.0, 12.0)
+
+
+def test_is_sine_like_only_the_given_time_counts() -> None:
+    found = record(lambda time: math.sin(2.0 * time) if 3.0 <= time < 9.0 else 50.0)
+    assert is_sine_like(found, 2.0, 3.0, 9.0)
+    assert not is_sine_like(found, 2.0, 2.5, 9.0) and not is_sine_like(found, 2.0, 3.0, 9.5)
+    assert not is_sine_like(found, 2.0, 3.0, 12.1)
+    # Its last quarter must oscillate: constant from 7.5 s to 9 s.
+    settled = record(lambda time: math.sin(2.0 * min(time, 7.49)))
+    assert not is_sine_like(settled, 2.0, 3.0, 9.0)
 
 
 @given(st.floats(0.0, 3.0), st.floats(1.0, 9.0), st.booleans())
@@ -148,6 +194,8 @@ def test_is_sine_like_rest_of_a_buffer_is_not(phase: float, rest: float, holds: 
 def test_signal_features_of_a_ramp_lack_a_sine() -> None:
     assert signal_features(record(lambda time: 1.0)).sine is None
     assert signal_features(Channel("/x", "data", [], [])) == (None, None)
+    odd = signal_features(record(lambda time: math.nan if time < 1.0 else math.sin(time)))
+    assert odd.rate == pytest.approx(10.0) and odd.sine is not None and odd.sine.distortion < 1e-6
 
 
 def fields(*functions: Tuple[str, Callable[[float], float]]) -> List[Channel]:
@@ -167,7 +215,12 @@ def test_signal_of_is_the_oscillating_value() -> None:
 def test_signal_of_several_uses_names_or_lists_them(names: Tuple[str, str]) -> None:
     channels = fields(("a", math.sin), ("y", math.cos))
     assert signal_of(channels) == channels[1]
-    for words, index in ((("output", "the_Signal"), 1), (("yaw", "y"), 1)):
+    ranks = ("signal", "proc", "sin", "output", "value", "data", "y")
+    pairs = [
+        ((worse, f"The_{better}" if better != "y" else better), 1)
+        for better, worse in zip(ranks, (*ranks[1:], "x"))
+    ]
+    for words, index in (*pairs, (("yaw", "y"), 1), (("signal_a", "signal_output"), 1)):
         channels = fields((words[0], math.sin), (words[1], math.cos))
         assert signal_of(channels) == channels[index]
     channels = fields((names[0], math.sin), (names[1], math.cos))
@@ -180,10 +233,45 @@ def test_oscillates_ignores_nan() -> None:
     assert not oscillates(record(lambda time: math.nan))
 
 
+@pytest.mark.parametrize(
+    ("values", "is_oscillating"),
+    [
+        ([0.0, 1.0], False),
+        ([0.0, 1.0, 0.0], True),
+        ([0.0, 1.0, 1.0, 2.0], False),
+        ([2.0, 1.0, 1.0, 0.0], False),
+        ([1.0, 1.0 + 1e-9, 1.0], False),
+    ],
+)
+def test_oscillates_rises_and_falls(values: List[float], is_oscillating: bool) -> None:
+    assert oscillates(Channel("/x", "", range(len(values)), values)) is is_oscillating
+
+
+@pytest.mark.parametrize(
+    ("steps", "is_regular"),
+    [
+        ([0.1] * 19 + [9.0], True),
+        ([0.1] * 17 + [9.0] * 3, False),
+        ([0.1] * 12 + [0.14] * 8, True),
+        ([0.1] * 12 + [0.16] * 8, False),
+        ([0.16] * 12 + [0.1] * 8, True),  # compared with the median, not with the shortest
+    ],
+)
+def test_channel_is_regular_if_nearly_all_intervals_are_equal(
+    steps: List[float], is_regular: bool
+) -> None:
+    times = [sum(steps[:count]) for count in range(len(steps) + 1)]
+    assert Channel("/x", "", times, times).is_regular() is is_regular
+
+
 def test_channel_between_and_rate() -> None:
     channel = record(math.sin).between(2.0, 3.0)
     assert (channel.times[0], len(channel.times)) == (2.0, 10)
     assert channel.rate() == pytest.approx(10.0)
     assert channel.between(2.0, 2.15).rate() is None
+    assert channel.between(2.0, 2.25).rate() == pytest.approx(10.0)
+    assert channel.values == [math.sin(time) for time in channel.times]
+    assert (channel.name, channel._replace(field="").name) == ("/x/data", "/x")
     assert channel._replace(times=[2.0] * 10).rate() is None
+    assert channel._replace(times=[2.0, 2.0, 3.0]).rate() == 2.0
     assert wrapped(0.0) == 0.0

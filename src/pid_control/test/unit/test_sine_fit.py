@@ -1,7 +1,7 @@
 """Tests of the fit of a sine."""
 
 import math
-from typing import List
+from typing import List, Optional
 
 import numpy
 import pytest
@@ -78,12 +78,32 @@ def test_fit_sine_constant_or_short_record_finds_none(values: List[float]) -> No
     assert fit_sine(grid(len(values) / 10.0, 10.0), values) is None
 
 
+@pytest.mark.parametrize("frequency", [None, 2.0])
+def test_fit_sine_of_a_few_samples_needs_eight(frequency: Optional[float]) -> None:
+    times = [0.5 * index for index in range(8)]
+    values = [1.0 + 3.0 * math.sin(2.0 * time + 0.3) for time in times]
+    assert fit_sine(times[:7], values[:7], frequency) is None
+    fit = fit_sine(times, values, frequency)
+    assert fit is not None
+    assert fit == pytest.approx((3.0, 2.0, 0.3, 1.0, 0.0, 3.5 / math.pi), rel=1e-4, abs=1e-4)
+
+
+def test_fit_sine_of_a_long_fast_record_finds_its_frequency() -> None:
+    """Many frequencies are tried, up to half of the sampling rate; several samples at one time."""
+    times = sorted([0.1 * index for index in range(120)] * 2)
+    for frequency in (0.6, 13.0, 30.0):
+        fit = fit_sine(times, [math.sin(frequency * time + 0.5) for time in times])
+        assert fit is not None and fit.frequency == pytest.approx(frequency, rel=1e-4)
+        assert fit.distortion < 1e-3
+
+
 def test_fit_sine_at_one_time_finds_none() -> None:
     assert fit_sine([1.0] * 20, list(map(float, range(20)))) is None
 
 
 def test_is_constant_ignores_rounding_of_float32() -> None:
     assert is_constant([0.1, float(numpy.float32(0.1))])
+    assert is_constant([-5.0, -5.000001]) and is_constant([0.0, 1e-13])
     assert is_constant([0.0, 0.0]) and not is_constant([0.0, 1e-3]) and not is_constant([5.0, 5.1])
 
 

@@ -8,9 +8,11 @@ from unittest import mock
 import pytest
 
 from pid_control.commands import judge_signals, judging_command
+from pid_control.programs import batch
 from pid_control.programs.package_messages import MessageTypeError
 from pid_control.programs.program_command import CommandError
-from pid_control.signal_judging.evidence import PROCESS, CourseworkEvidence
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, CourseworkEvidence
+from pid_control.signal_judging.scenarios import SCENARIOS
 from pid_control.signal_runner import coursework_bench
 
 
@@ -25,6 +27,8 @@ from pid_control.signal_runner import coursework_bench
         (["--nodes", "a.py", "x"], "'a.py' must be two programs, with a comma in between"),
         (["--nodes", "a.py,", "x"], "'a.py,' must be two programs"),
         (["--limits", "{folder}/wrong.yaml", "x"], "process: gian: not measured there, but rate"),
+        (["--class", "{folder}", "--csv", "{folder}/x.csv"], "--csv: not valid with --class"),
+        (["--class", "{folder}", "--picture", "{folder}/x.svg"], "--picture: not valid with"),
         (["--roster", "x.csv", "x"], "--roster: only valid with --class"),
         (["--output", "{folder}", "x"], "--output: only valid with --class"),
         (["--class", "nowhere"], "--class: not a folder (nowhere)"),
@@ -54,6 +58,55 @@ def test_judge_signals_invalid_request_names_the_problem(
     assert end.value.code == 125
     assert says.format(folder=tmp_path) in (output + errors).splitlines()[-1]
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_judge_signals_help_has_its_scenarios_and_exit_statuses(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["judge_signals", "--help"])
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    text = capsys.readouterr().out
+    assert end.value.code == 0 and text.startswith("usage: judge_signals [-h] [--version]")
+    assert text.endswith(HELP)
+    options = {word for word in text.split() if word.startswith("--")}
+    assert {"--nodes", "--signal", "--proc-signal", "--workspace", "--only"} <= options
+
+
+#: End of the help: what is typed without a description.
+HELP = """
+scenarios:
+  launch      a launch file starts both nodes
+  signal      the generator's messages
+  process     the process node's output, compared with its input
+  restart     the generator stops, and starts again
+  parameters  each parameter is changed
+  yaml        the numbers of the YAML files are changed, in a copy
+  namespace   both nodes run in a namespace
+
+exit status: 0 passed, 1 failed, 125 not judged
+"""
+
+
+def test_judge_signals_class_run_has_its_roster_and_folders(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    (tmp_path / "roster.csv").write_text("g1,Anna\n")
+    make = mock.Mock()
+    make.return_value.run.return_value = 1
+    monkeypatch.setattr(batch, "Batch", make)
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    monkeypatch.chdir(tmp_path)
+    words = ["--class", "x", "--roster", "roster.csv", "--output", "out", "--nodes", "a.py,b.py"]
+    monkeypatch.setattr(sys, "argv", ["judge_signals", *words, "a.launch", "b:=1"])
+    (tmp_path / "x").mkdir()
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    assert end.value.code == 1
+    [(folder, finder, options, output, limit, roster)] = [call[0] for call in make.call_args_list]
+    assert (folder, output, limit, roster) == ("x", f"{tmp_path}/out", 120.0, {"g1": "Anna"})
+    assert options == ["--time-limit", "120.0", "--nodes", "a.py,b.py"]
+    assert finder.words("/p", None) == ["/p", "a.launch", "b:=1"]
 
 
 @pytest.mark.parametrize("error", [CommandError("no node"), MessageTypeError("no node")])
@@ -87,18 +140,38 @@ def test_judge_signals_runs_the_chosen_scenarios_and_ends_its_bench(
     monkeypatch.setattr(coursework_bench, "find_request", find)
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     options = ["--only", "launch", "--nodes", "a.py,b.py", "--proc-signal", "/y", "--real-time"]
+    options += ["--workspace", "ws", "--csv", str(tmp_path / "a.csv")]
     options += ["--picture", str(tmp_path / "a.svg"), "--time-limit", "9"]
     monkeypatch.setattr(sys, "argv", ["judge_signals", *options, "anna", "x"])
     with pytest.raises(SystemExit) as end:
         judge_signals.main()
     assert end.value.code == 0
-    find.assert_called_once_with(["anna", "x"], ["launch"], None)
+    find.assert_called_once_with(["anna", "x"], ["launch"], "ws")
     find.return_value._replace.assert_called_once_with(
         programs=["a.py", "b.py"], real_time=True, time_limit=9.0, given={PROCESS: "/y"}
     )
     bench.return_value.close.assert_called_once_with()
     assert "anna x: passed" in (tmp_path / "a.svg").read_text()
-    output = capsys.readouterr().out
-    assert "note: launch file: a.launch" in output
-    assert "launch    nodes that no launch file starts  0" in output
-    assert output.endswith("passed: all 1 figures of 1 scenario\n")
+    assert capsys.readouterr().out.splitlines() == [
+        "judge: anna",
+        "note: launch file: a.launch",
+        "scenario  what                              figure  limit",
+        "launch    nodes that no launch file starts  0       <= 0",
+        "",
+        "passed: all 1 figures of 1 scenario",
+    ]
+    bench.return_value.run.assert_called_once_with(find.return_value._replace.return_value)
+    heading, row = (tmp_path / "a.csv").read_text().splitlines()
+    assert heading.startswith("package,verdict,flaws,why,launch.missing_nodes,signal.rate,")
+    assert row.startswith("anna x,passed,,,0,")
+    # All scenarios, by a simulated clock, unless others are chosen.
+    bench.return_value.run.return_value = CourseworkEvidence(), "9 s are over"
+    monkeypatch.setattr(sys, "argv", ["judge_signals", "--signal", "/x/y", "anna"])
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    assert find.call_args == mock.call(["anna"], list(SCENARIOS), None)
+    assert find.return_value._replace.call_args == mock.call(
+        programs=[], real_time=False, time_limit=120.0, given={GENERATOR: "/x/y"}
+    )
+    assert end.value.code == 125
+    assert capsys.readouterr().out.splitlines()[-1] == "not judged: 9 s are over"

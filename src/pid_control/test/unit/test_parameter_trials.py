@@ -1,10 +1,12 @@
 """Tests of the trials with other parameters, with a law in place of the student's nodes."""
 
 import math
+import os
 import pathlib
 import shutil
 import types
-from typing import Any, Callable, List, Mapping, Tuple
+from typing import Any, Callable, List, Mapping, Sequence, Tuple
+from unittest import mock
 
 import pytest
 
@@ -49,10 +51,13 @@ def wave_loops(parameters: Mapping[str, Any]) -> TrialFeatures:
 
 
 def tried(
-    folder: pathlib.Path, law: Law, own: Mapping[str, Any] = types.MappingProxyType({})
+    folder: pathlib.Path,
+    law: Law,
+    own: Mapping[str, Any] = types.MappingProxyType({}),
+    words: Sequence[str] = (),
 ) -> Tuple[ParameterResults, ParameterTrials, List[Coursework]]:
     """Return the parameters of a coursework that follows a law, its trials, and the run ones."""
-    coursework = find_coursework(str(folder), [], {"PATH": "/usr/bin:/bin"})
+    coursework = find_coursework(str(folder), words, {"PATH": "/usr/bin:/bin"})
     process, generator = coursework.nodes
     ran: List[Coursework] = []
 
@@ -85,6 +90,48 @@ def test_good_coursework_needs_one_trial_of_a_copy() -> None:
     assert found.value_of(PROCESS, "phase_shift") == ("/process_angle", 1.2)
 
 
+def test_copy_is_launched_with_the_arguments_and_has_no_large_files(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    package = copy(
+        "wave_loops",
+        tmp_path,
+        "launch/cw1.launch",
+        "config/params.yaml",
+        "$(arg file).yaml",
+    )
+    launch = package / "launch" / "cw1.launch"
+    text = launch.read_text().replace("<launch>", '<launch><arg name="file" default="no"/>')
+    launch.write_text(text)
+    for name in (".git/a", "run.bag", "config/note.txt"):
+        (package / name).parent.mkdir(exist_ok=True)
+        (package / name).write_text("")
+    (package / "no.yaml").write_text("{}")
+    words = ["cw1.launch", "file:=config/params"]
+    copied: List[str] = []
+    copytree = shutil.copytree
+
+    def copy_all(*given: Any, **options: Any) -> str:
+        folder = copytree(*given, **options)
+        copied.extend(os.listdir(folder))
+        return folder
+
+    monkeypatch.setattr(shutil, "copytree", copy_all)
+    found, trials, [one] = tried(package, wave_loops, words=words)
+    assert "note.txt" in copied and not {".git", "run.bag"} & set(copied)
+    assert all(effect.is_predicted for effect in found.tried) and len(found.tried) == 5
+    assert (one.launch_file, one.arguments) == (f"{one.folder}/launch/cw1.launch", words[1:])
+    assert pathlib.Path(one.folder).name == "wave_loops" and trials.notes == []
+    assert not pathlib.Path(one.folder).exists()
+    assert one.parameters == {
+        "/signal_amplitude": 3.0,
+        "/signal_omega": 3.75,
+        "/process_angle": 1.6,
+        "/process_offset": 2.0,
+        "/process_amplitude": 0.7,
+    }
+
+
 def test_parameters_of_a_package_that_cannot_be_copied_are_tried(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
@@ -112,8 +159,8 @@ def test_parameter_without_effect_is_tried_by_other_names() -> None:
         )
 
     found, trials, _ = tried(COURSEWORKS / "wave_loops", law)
-    [unread] = found.unread()
-    assert (unread.name, list(unread.other_names)) == ("/signal_omega", ["/process/signal_omega"])
+    unread = ParameterEffect("/signal_omega", 3.0, "frequency", set(), ["/process/signal_omega"])
+    assert found.unread() == [unread]
     assert trials.notes == []  # the verdict names it
 
 
@@ -126,8 +173,11 @@ def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
 
     found, trials, _ = tried(COURSEWORKS / "wave_loops", law)
     assert found.unread() == []
-    [note] = trials.notes
-    assert "the process node has an amplitude or a frequency of its own" in note
+    assert trials.notes == [
+        "with other numbers the output is no longer a sine of the signal's frequency: one of: the"
+        " process node has an amplitude or a frequency of its own, in its code or as a parameter,"
+        " or the numbers do not fit together"
+    ]
 
 
 def test_output_that_is_distorted_with_any_numbers_is_not_blamed_on_them() -> None:
@@ -145,8 +195,10 @@ def test_more_numbers_than_can_be_tried_are_named(tmp_path: pathlib.Path) -> Non
     package = copy(
         "wave_loops", tmp_path, "config/params.yaml", "signal_omega", f"{more}signal_omega"
     )
-    _, trials, _ = tried(package, wave_loops)
-    assert "parameters not tried: /number_i, /number_j" in trials.notes
+    found, trials, ran = tried(package, wave_loops)
+    assert trials.notes == ["parameters not tried: /number_i, /number_j"]
+    assert found.hidden == set() and len(ran) == 1 + 2 * 8
+    assert {one.name for one in found.unread()} == {f"/number_{letter}" for letter in "abcdefgh"}
 
 
 def test_of_two_numbers_with_one_role_each_is_tried(tmp_path: pathlib.Path) -> None:
@@ -191,7 +243,42 @@ def test_parameter_that_ends_a_node_is_read() -> None:
 
     found, _, ran = tried(COURSEWORKS / "wave_loops", law)
     assert len(ran) == 6  # all together, which failed, then one by one
-    assert found.unread() == []
+    assert found.unread() == [] and found.hidden == set()
+    coursework = find_coursework(str(COURSEWORKS / "wave_loops"), [], {"PATH": "/usr/bin:/bin"})
+    own = dict(coursework.parameters)
+    assert [one.parameters for one in ran[1:]] == [
+        {**own, "/process_amplitude": 0.5 * 1.4 * 1.4},
+        {**own, "/process_angle": 1.2 + 20.0},
+        {**own, "/process_offset": 2.0},
+        {**own, "/signal_amplitude": 4.5},
+        {**own, "/signal_omega": 3.0 * 1.25 * 1.25},
+    ]
+    gain, angle, offset, amplitude, omega = found.tried
+    assert gain == ("/process_amplitude", 0.5, "gain", {PROCESS}, [], True, True)
+    assert angle == ("/process_angle", 1.2, "phase_shift", {PROCESS}, [], True, True)
+    both = {GENERATOR, PROCESS}
+    assert offset == ("/process_offset", 1.5, "offset", both, [], True, False)
+    assert amplitude == ("/signal_amplitude", 2.0, "amplitude", {GENERATOR}, [], True, True)
+    assert omega == ("/signal_omega", 3.0, "frequency", {GENERATOR}, [], True, True)
+
+
+def test_unused_parameters_that_may_matter_elsewhere_are_noted(tmp_path: pathlib.Path) -> None:
+    names = "process_offset_b: 1\nlog_every: 2\nother: 3\n"
+    package = copy(
+        "wave_loops", tmp_path, "config/params.yaml", "signal_omega", f"{names}signal_omega"
+    )
+    (package / "scripts" / "process.py").open("a").write("# process_offset_b, log_every\n")
+    found, trials, ran = tried(package, wave_loops)
+    assert trials.notes == ["parameters without effect here: /log_every, /process_offset_b"]
+    [unread] = found.unread()
+    assert unread == ParameterEffect("/other", 3.0, "", set(), [], False, False)
+    # Those that a source mentions are tried under each name that a program may read.
+    more = {name for one in ran for name in one.parameters} - set(ran[1].parameters)
+    assert more == {
+        f"/{node}/{last}"
+        for node in ("process", "signal_generator")
+        for last in ("log_every", "process_offset_b")
+    }
 
 
 def test_phase_in_degrees_that_is_far_is_seen(tmp_path: pathlib.Path) -> None:
@@ -233,9 +320,11 @@ def test_parameters_that_a_node_sets_itself_are_hidden_from_the_launch_file(
     line = '<rosparam file="$(find wave_loops)/config/params.yaml" command="load"/>'
     package = copy("wave_loops", tmp_path, "launch/cw1.launch", line, "")
     (package / "config" / "params.yaml").unlink()
-    own = {"/process/scale": 0.5, "/process/text": "a", "/process/on": True}
-    found, _, _ = tried(package, law, own)
+    own = {"/process/scale": 0.5, "/process/text": "a", "/process/on": True, "/processes/x": 1.0}
+    found, _, ran = tried(package, law, own)
     assert (found.tried, found.hidden) == ([], {PROCESS})
+    changed = [{name: one.parameters.get(name) for name in own} for one in ran]
+    assert changed[-1] == {**dict.fromkeys(own), "/process/scale": 0.7}
     assert tried(package, law)[0].hidden == set()
 
 
@@ -301,8 +390,13 @@ def test_file_of_another_launch_file_or_of_a_program_is_noted(tmp_path: pathlib.
     (package / "scripts" / "process.py").open("a").write("# open('own.yaml')\n")
     found, trials, _ = tried(package, wave_loops)
     assert dict(found.unused_files) == {}
-    assert "params.yaml is loaded by other.launch, not by cw1.launch" in trials.notes
-    assert "own.yaml: the programs load it by themselves" in trials.notes
+    assert trials.notes == [
+        "params.yaml is loaded by other.launch, not by cw1.launch",
+        "own.yaml: the programs load it by themselves",
+    ]
+    (package / "launch" / "more.launch").write_text("<launch><!-- params.yaml --></launch>")
+    notes = tried(package, wave_loops)[1].notes
+    assert "params.yaml is loaded by more.launch, other.launch, not by cw1.launch" in notes
 
 
 def test_text_or_list_of_numbers_is_a_parameter(tmp_path: pathlib.Path) -> None:
@@ -312,8 +406,50 @@ def test_text_or_list_of_numbers_is_a_parameter(tmp_path: pathlib.Path) -> None:
 
     package = copy("wave_loops", tmp_path, "config/params.yaml", "", "")
     (package / "config" / "params.yaml").write_text("wave: [2.0, 3.0]\nlift: '1.5'\nlog: name")
-    found, _, _ = tried(package, law)
+    found, _, ran = tried(package, law)
     assert (found.read_by(GENERATOR), found.read_by(PROCESS)) == (1, 1)
+    own = {"/wave": [2.0, 3.0], "/lift": "1.5", "/log": "name"}
+    others = [{name: one.parameters[name] for name in own} for one in ran]
+    assert {**own, "/wave": [2.5, 3.75], "/lift": "1.875"} in others
+
+
+def test_parameters_belong_to_the_node_of_their_place_or_name() -> None:
+    coursework = find_coursework(str(COURSEWORKS / "sine_classes"), [], {"PATH": "/usr/bin:/bin"})
+    process, generator = coursework.nodes
+    baseline = BaselineTrial(wave_loops({}), NOTHING, NOTHING, {})
+    pair = NodePair(generator, process, {}, {}, {})
+    trials = ParameterTrials(coursework, pair, baseline, mock.Mock())
+    assert {name: trials._role(name) for name in ROLES} == ROLES
+    assert trials._names_of("gain") == [
+        "/gain",
+        "/lab/gain",
+        "/lab/processor/gain",
+        "/lab/source/gain",
+    ]
+    assert trials._places(PROCESS, "~a/b") == ["/lab/processor/a/b"]
+    assert trials._places(GENERATOR, "~a") == ["/lab/source/a"]
+    assert trials._places(GENERATOR, "a") == ["/lab/a"]
+    assert trials._places(GENERATOR, "/a") == ["/a"]
+
+
+#: Node and role of parameters by their names, of the nodes /lab/processor and /lab/source.
+ROLES = {
+    "/lab/processor/amplitude": (PROCESS, "gain"),
+    "/lab/processor/signal_frequency": (PROCESS, ""),
+    "/lab/source/proc_amplitude": (GENERATOR, "amplitude"),
+    "/lab/source/phase_shift": (GENERATOR, "phase"),
+    "/lab/sources/amplitude": ("", ""),
+    "/a/proc_signal_gain": (PROCESS, "gain"),
+    "/proc/Gen_rate": (GENERATOR, "rate"),
+    "/SIN_offset": (GENERATOR, "offset"),
+    "/signal": (GENERATOR, ""),
+    "/a/omega": (GENERATOR, "frequency"),
+    "/loop_frequency": ("", ""),
+    "/freq_shift": (GENERATOR, "frequency"),
+    "/angle": (PROCESS, "phase_shift"),
+    "/gain": ("", ""),
+    "/offset": ("", ""),
+}
 
 
 def test_coursework_without_parameters() -> None:

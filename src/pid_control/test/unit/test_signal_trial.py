@@ -11,10 +11,13 @@ import pytest
 
 from pid_control.judging.record import Pause
 from pid_control.programs.node_queries import NodeTopics
-from pid_control.runner.judging_errors import BusyMachineError, JudgingError
+from pid_control.runner.clock import SimulatedClock, WallClock
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.signal_runner import signal_session
 from pid_control.signal_runner import trial as trial_module
+from pid_control.signal_judging.evidence import FailedTrial
 from pid_control.signal_runner.coursework import Coursework, find_coursework
+from pid_control.signal_runner.node_pair import NodePair
 from pid_control.signal_runner.signal_session import SignalSession
 from pid_control.signal_runner.trial import NotConnectedError, Trial, TrialError
 from pid_control.verdicts.judgement import NOT_JUDGED, PASSED
@@ -38,12 +41,17 @@ def test_trial_in_a_namespace_keeps_global_names_of_parameters(
     group: str, names: List[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A source that reads a global name is not at fault: only topics are compared."""
-    server: Dict[str, Any] = {"/stale": 1.0}
+    kept = {"/rosdistro": "one", "/rosversion": "1", "/run_id": "a", "/use_sim_time": False}
+    server: Dict[str, Any] = {"/stale": 1.0, **kept}
     monkeypatch.setattr("rospy.get_param_names", lambda: list(server))
     monkeypatch.setattr("rospy.delete_param", server.pop)
     monkeypatch.setattr("rospy.set_param", server.__setitem__)
-    with Trial(mock.Mock(), mock.Mock(), [], {"/a/gain": 2.0}, 0.0, group=group):
-        assert server == {**dict.fromkeys(names, 2.0), "/use_sim_time": True}
+    for is_simulated in (True, False):
+        bench = mock.Mock()
+        with Trial(bench, mock.Mock(), [], {"/a/gain": 2.0}, 0.0, is_simulated, group):
+            wanted = {**kept, **dict.fromkeys(names, 2.0), "/use_sim_time": is_simulated}
+            assert server == wanted
+        assert bench.mock_calls == [mock.call.use_clock(is_simulated), mock.call.listen({})]
 
 
 def test_trial_knows_the_parameters_that_its_nodes_have_set(
@@ -68,19 +76,21 @@ def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
     process = trial._running["/a"]
     trial.stop_node(mock.Mock(global_name="/a"))
     assert trial.now - begin == pytest.approx(passed)
-    process.end.assert_called_once_with()
+    assert process.mock_calls == [mock.call.interrupt(), mock.call.end()]
+    assert trial._running == {}
 
 
 def test_trial_names_its_busiest_node_and_ends_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("time.sleep", mock.Mock())
     trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
-    for name, times in (("/a", [0.5, 0.6]), ("/b", [0.0, 0.3])):
+    for name, times in (("/a", [0.5, 0.6]), ("/b", [0.0, 0.3]), ("/c", [0.9, 0.9])):
         process = mock.Mock(status=None, writes_without_end=False)
         process.processor_time.side_effect = times
         trial._running[name] = process
     with pytest.raises(TrialError) as error:
         trial._check(True)
-    assert (error.value.flaw, error.value.node) == ("flood", "/b")
+    found = error.value
+    assert (found.flaw, found.node, found.words, str(found)) == ("flood", "/b", "", "/b: flood")
     trial.__exit__(None, None, None)
     for process in trial._running.values():
         process.end.assert_called_once_with()
@@ -91,16 +101,44 @@ def test_trial_starts_its_nodes_in_the_group_and_lists_all_their_topics(
 ) -> None:
     start = mock.Mock()
     monkeypatch.setattr(trial_module, "ProgramProcess", start)
-    bench = mock.Mock()
-    bench.topics_of.return_value = NodeTopics({"/group/s": "F"}, {"/t": "F"})
+    bench, master = mock.Mock(), mock.Mock(environment={"ROS_MASTER_URI": "x"}, pid=7)
     one = good("sine_classes").nodes[0]
-    trial = Trial(bench, mock.Mock(), [one], {}, 0.0, group="/group")
+    trial = Trial(bench, master, [one], {}, 0.0, group="/group")
     trial.start_node(one)
-    assert start.call_args[0][0].argv[-2:] == ["__name:=processor", "__ns:=/group/lab"]
-    monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
-    monkeypatch.setattr(trial, "run", mock.Mock())
-    assert trial.topics([one]) == ["/group/s", "/t"]
-    bench.topics_of.assert_called_with("/group/lab/processor")
+    names = ["__name:=processor", "__ns:=/group/lab"]
+    command = one.command._replace(argv=[*one.command.argv, *names])
+    start.assert_called_once_with(command, {"ROS_MASTER_URI": "x"}, [7])
+    Trial(bench, master, [one], {}, 0.0).start_node(one._replace(namespace="/"))
+    assert start.call_args[0][0].argv[-1] == "__ns:=/"
+    # Both answer, but the second node publishes late, and then one more topic.
+    late = [
+        NodeTopics({}, {"/t": "F"}),
+        NodeTopics({"/y": "F"}, {"/t": "F"}),
+        NodeTopics({"/y": "F", "/a": "F"}, {"/t": "F"}),
+    ]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda seconds: now.append(now.pop() + seconds))
+    now = [0.0]
+    topics = {"/group/b": NodeTopics({"/group/s": "F"}, {"/t": "F"})}
+    bench.topics_of.side_effect = lambda name: topics.get(name, late[0])
+    bench.pop_count.return_value = 0
+    trial = Trial(bench, master, [one], {}, 1e9, group="/group")
+    trial._restless = mock.Mock(is_its_own=lambda: False)
+    trial._running["/a"] = mock.Mock(status=None, writes_without_end=False)
+    step, steps = trial.step, [0]
+
+    def run_step() -> None:
+        steps[0] += 1
+        if steps[0] in (100, 110):  # the latter one is in the time for further topics
+            late.pop(0)
+        step()
+
+    monkeypatch.setattr(trial, "step", run_step)
+    trial._clock = mock.Mock()
+    nodes = [one, one._replace(namespace="/", name="b")]
+    assert trial.topics(nodes) == ["/a", "/group/s", "/t", "/y"]
+    assert 0.9 < trial.now < 1.7
+    bench.topics_of.assert_any_call("/group/lab/processor")
 
 
 @pytest.mark.parametrize(
@@ -110,11 +148,14 @@ def test_trial_starts_its_nodes_in_the_group_and_lists_all_their_topics(
 def test_late_messages_are_no_evidence_of_the_machine_clock(
     answers: List[int], publishes: bool
 ) -> None:
-    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
-    trial._clock = mock.Mock(
-        pause=mock.Mock(side_effect=[Pause(1.0, 1.0, 1.0, n) for n in answers])
-    )
+    bench = mock.Mock()
+    trial = Trial(bench, mock.Mock(), [], {}, 0.0)
+    pause = mock.Mock(side_effect=[Pause(1.0, 1.0, 1.0, n) for n in answers])
+    trial._clock = mock.Mock(pause=pause)
     assert trial.publishes_while_paused() is publishes
+    assert pause.call_args_list == [mock.call(trial.now, bench.pop_count)] * len(answers)
+    trial._clock.pause = mock.Mock(return_value=None)  # by the machine's clock
+    assert not trial.publishes_while_paused()
 
 
 @pytest.mark.parametrize(
@@ -130,7 +171,10 @@ def test_distorted_record_is_repeated_twice_at_most(
     session._repeat_if_distorted(next(records), mock.Mock())
     assert next(records, None) is None
     assert bool(session.notes) is is_noted
-    assert not is_noted or "its distortion was 0.50" in session.notes[0]
+    assert not is_noted or session.notes == [
+        "a record was repeated, because its distortion was 0.50: the machine was busy, or the nodes"
+        " do not always behave the same"
+    ]
 
 
 @pytest.mark.parametrize("publishes", [(True, False), (False, True)])
@@ -141,8 +185,12 @@ def test_node_that_publishes_in_either_pause_of_the_clock_uses_the_machines(
     trial.publishes_while_paused.side_effect = publishes
     monkeypatch.setattr(session, "_run_periods", mock.Mock())
     monkeypatch.setattr(session, "_check_heard", mock.Mock(side_effect=AssertionError))
-    with pytest.raises(JudgingError, match="it uses the machine's clock"):
+    with pytest.raises(JudgingError) as error:
         session._record_baseline(trial, mock.Mock())
+    assert str(error.value) == (
+        "it uses the machine's clock (time.time(), time.sleep()), not ROS's (rospy.get_time(),"
+        " rospy.Rate): judge it with --real-time"
+    )
 
 
 @pytest.mark.parametrize(
@@ -160,24 +208,257 @@ def test_clock_of_values_is_looked_at_until_it_is_certain(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     session, left = session_of("signal"), iter(answers)
-    monkeypatch.setattr(session, "_channels", lambda *_: [mock.Mock(), mock.Mock()])
-    monkeypatch.setattr(signal_session, "moved_in_pauses", lambda *_: next(left))
-    expected = pytest.raises(error) if error else contextlib.nullcontext()
+    channels, trial, pair = [mock.Mock(), mock.Mock()], mock.Mock(now=7.0), mock.Mock()
+    monkeypatch.setattr(session, "_channels", mock.Mock(return_value=channels))
+    moved = mock.Mock(side_effect=lambda *_: next(left))
+    monkeypatch.setattr(signal_session, "moved_in_pauses", moved)
+    says = "uses the machine's clock|^this machine is too busy to see which clock the nodes use$"
+    expected = pytest.raises(error, match=says) if error else contextlib.nullcontext()
     with expected:
-        session._check_clock(mock.Mock(), mock.Mock(), 10.0)
+        session._check_clock(trial, pair, 10.0)
     assert next(left, "none") == "none"
+    lengths = [0.2, 0.3, 0.2, 0.4, 0.3, 0.2, 0.4, 0.3]
+    assert trial.run_with_pauses.call_args == mock.call(pytest.approx(lengths))
+    session._channels.assert_called_with(pair, 7.0)  # type: ignore[attr-defined]
+    pauses = trial.run_with_pauses.return_value
+    assert moved.call_args_list[:2] == [mock.call(one, pauses) for one in channels]
+    with contextlib.suppress(StopIteration):
+        session._check_clock(trial, pair, 0.5)  # of a slow loop, not for long
+    assert trial.run_with_pauses.call_args[0][0] == [2.0, 3.0, 2.0, 4.0, 3.0, 2.0, 4.0, 3.0]
 
 
 def test_notes_of_the_parameters_are_those_of_the_judgement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    session, trials = session_of("parameters"), mock.Mock(notes=["not tried: /a"])
+    for scenario in ("parameters", "yaml", "namespace"):
+        session, trials = session_of("signal", scenario), mock.Mock(notes=["not tried: /a"])
+        session.evidence.baseline, session._pair = mock.Mock(), mock.Mock()
+        monkeypatch.setattr(session, "_run_baseline", mock.Mock())
+        monkeypatch.setattr(session, "_run_in_group", mock.Mock())
+        make = mock.Mock(return_value=trials)
+        monkeypatch.setattr(signal_session, "ParameterTrials", make)
+        assert session.run() == ""
+        in_group = scenario == "namespace"
+        assert session._run_in_group.called is in_group  # type: ignore[attr-defined]
+        assert session.notes == ([] if in_group else ["not tried: /a"])
+        given = session._coursework, session._pair, session.evidence.baseline, session._features
+        assert make.call_args_list == ([] if in_group else [mock.call(*given)])
+        assert session.evidence.parameters is (None if in_group else trials.run.return_value)
+    # A signal that is not a sine has no features to compare.
+    session.evidence.baseline.features.signal.sine = None
+    session._scenarios = ["parameters"]
+    assert session.run() == "" and not make.called
+
+
+def test_failures_of_each_scenario_are_kept_with_their_words(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = session_of("signal", "parameters", "namespace")
     session.evidence.baseline, session._pair = mock.Mock(), mock.Mock()
     monkeypatch.setattr(session, "_run_baseline", mock.Mock())
+    group = mock.Mock(side_effect=NotConnectedError("a publishes nothing"))
+    monkeypatch.setattr(session, "_run_in_group", group)
+    trials = mock.Mock(notes=["a note"])
+    trials.run.side_effect = TrialError("crash", "/a", "NameError: x")
     monkeypatch.setattr(signal_session, "ParameterTrials", mock.Mock(return_value=trials))
-    assert session.run() == ""
-    assert session.notes == ["not tried: /a"]
-    assert session.evidence.parameters is trials.run.return_value
+    assert session.run() == "" and session.notes == ["a note"]
+    failures = {
+        "parameters": FailedTrial("crash", "/a", "NameError: x"),
+        "namespace": FailedTrial("not connected", "", "a publishes nothing"),
+    }
+    assert session.evidence.broken == failures
+    session._run_baseline.side_effect = TrialError("flood", "/b")  # type: ignore[attr-defined]
+    group.reset_mock()
+    assert session.run() == "" and not group.called
+    assert session.evidence.broken["signal"] == FailedTrial("flood", "/b", "")
+
+
+def test_record_of_a_baseline_is_settled_paused_checked_and_restarted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The whole order, of which each step needs the one before."""
+    for real_time, scenarios in ((False, ["signal", "restart"]), (True, ["signal"])):
+        session = session_of(*scenarios)
+        session._real_time = real_time
+        calls = mock.Mock()
+        trial, pair = calls.trial, mock.Mock()
+        trial.now = 3.0
+        trial.publishes_while_paused.return_value = False
+        trial.run.side_effect = lambda duration: setattr(trial, "now", trial.now + duration)
+        signal, output = mock.Mock(), mock.Mock()
+        signal.rate.return_value = 25.0
+        calls.channels.return_value = signal, output
+        for name in (
+            "run_periods",
+            "check_heard",
+            "channels",
+            "features_of",
+            "constants",
+            "check_clock",
+            "run_restart",
+            "check_lateness",
+        ):
+            monkeypatch.setattr(session, f"_{name}", getattr(calls, name))
+        baseline = session._record_baseline(trial, pair)
+        assert baseline is session.evidence.baseline
+        assert baseline == (
+            calls.features_of.return_value,
+            signal,
+            output,
+            calls.constants.return_value,
+            trial.own_parameters.return_value,
+        )
+        of_clock = [] if real_time else [mock.call.check_clock(trial, pair, 25.0)]
+        of_restart = [] if real_time else [mock.call.run_restart(trial, pair, 4.0, 5.0)]
+        assert calls.mock_calls == [
+            mock.call.trial.connect(pair),
+            mock.call.trial.run(1.0),
+            mock.call.trial.run(1.0),
+            mock.call.trial.publishes_while_paused(),
+            mock.call.run_periods(trial, pair, 4.0),
+            mock.call.trial.publishes_while_paused(),
+            mock.call.check_heard(),
+            mock.call.channels(pair, 4.0),
+            mock.call.features_of(signal, output),
+            mock.call.constants(signal, 4.0),
+            mock.call.trial.own_parameters(),
+            *of_clock,
+            *of_restart,
+            mock.call.check_lateness(trial),
+        ]
+
+
+@pytest.mark.parametrize(("frequency", "silence"), [(9.0, 2.0), (1.0, 2.0 * math.pi), (0.1, 30.0)])
+def test_restart_of_the_generator_is_recorded_like_the_baseline(
+    frequency: float, silence: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, calls, pair = session_of("restart"), mock.Mock(), mock.Mock()
+    session.evidence.baseline = mock.Mock()
+    session.evidence.baseline.features.signal.sine.frequency = frequency
+    trial = calls.trial
+    trial.now = 10.0
+    trial.run.side_effect = lambda duration: setattr(trial, "now", trial.now + duration)
+    calls.channels.side_effect = lambda _, begin: (f"signal {begin:.2f}", f"output {begin:.2f}")
+    for name in ("channels", "features_of"):
+        monkeypatch.setattr(session, f"_{name}", getattr(calls, name))
+    monkeypatch.setattr(signal_session, "is_sine_like", calls.is_sine_like)
+    session._run_restart(trial, pair, 4.0, 9.5)
+    stopped = 10.5 + silence
+    calls.is_sine_like.assert_called_once_with("output 10.50", frequency, 10.5, stopped)
+    again = f"{stopped + 1.0:.2f}"
+    calls.features_of.assert_called_once_with(f"signal {again}", f"output {again}")
+    assert trial.mock_calls == [
+        mock.call.stop_node(pair.generator),
+        mock.call.run(0.5 + silence),
+        mock.call.run_past(session.evidence.baseline.output.topic),
+        mock.call.start_node(pair.generator),
+        mock.call.connect_again(pair),
+        mock.call.run(1.0),
+        mock.call.run(5.5),
+    ]
+    assert session.evidence.restart == (
+        calls.is_sine_like.return_value,
+        calls.features_of.return_value.process,
+        "signal 4.00",
+        "output 4.00",
+    )
+
+
+@pytest.mark.parametrize(
+    ("periods_per_s", "runs"),
+    [
+        (1.0, [5.0]),
+        (0.44, [5.0]),
+        (0.4, [5.0, 0.7]),
+        (0.43, [5.0, 0.5]),  # at least half a second
+        (0.1, [5.0, 17.2]),
+        (0.05, [5.0, 25.0]),  # until 30 s
+        (0.0, [5.0] * 6),
+        (None, [5.0] * 6),
+    ],
+)
+def test_record_is_as_long_as_its_periods_need(
+    periods_per_s: Optional[float], runs: List[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, trial = session_of("signal"), mock.Mock(now=12.0)
+    trial.run.side_effect = lambda duration: setattr(trial, "now", trial.now + duration)
+    channels = mock.Mock(return_value=("signal", "output"))
+    monkeypatch.setattr(session, "_channels", channels)
+
+    def features_of(signal: str) -> Any:
+        assert signal == "signal"
+        length = trial.now - 11.0
+        is_sine = periods_per_s is not None
+        return mock.Mock(sine=mock.Mock(periods=periods_per_s * length) if is_sine else None)
+
+    monkeypatch.setattr(signal_session, "signal_features", features_of)
+    pair = mock.Mock()
+    session._run_periods(trial, pair, 11.0)
+    assert [call[0][0] for call in trial.run.call_args_list] == pytest.approx([4.0, *runs[1:]])
+    channels.assert_called_with(pair, 11.0)
+
+
+def test_other_parameters_are_tried_with_the_nodes_of_their_coursework(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    coursework = good("wave_loops")
+    process, generator = coursework.nodes
+    session, calls = session_of("parameters"), mock.Mock()
+    pair = NodePair(generator, process, {}, {}, {})
+    session._pair = pair
+    changed = [one._replace(program=f"other_{one.program}") for one in coursework.nodes]
+    for nodes in (changed, changed[:1], []):
+        calls.reset_mock()
+        trial = calls.trial
+        trial.now = 2.0
+        trial.run.side_effect = lambda duration: setattr(trial, "now", trial.now + duration)
+        make = mock.MagicMock()
+        make.return_value.__enter__.return_value = trial
+        calls.channels.return_value = "signal", "output"
+        monkeypatch.setattr(session, "_trial", make)
+        for name in ("run_periods", "channels", "features_of", "check_lateness"):
+            monkeypatch.setattr(session, f"_{name}", getattr(calls, name))
+        found = session._features(coursework._replace(nodes=nodes, parameters={"/a": 1}))
+        used = NodePair(
+            changed[1] if len(nodes) > 1 else generator,
+            changed[0] if nodes else process,
+            {},
+            {},
+            {},
+        )
+        assert found is calls.features_of.return_value and session._pair is pair
+        make.assert_called_once_with({"/a": 1})
+        assert calls.mock_calls == [
+            mock.call.trial.start(),
+            mock.call.trial.connect(used),
+            mock.call.trial.run(1.0),
+            mock.call.run_periods(trial, used, 3.0),
+            mock.call.channels(used, 3.0),
+            mock.call.check_lateness(trial),
+            mock.call.features_of("signal", "output"),
+        ]
+    trial.start.side_effect = TrialError("crash", "/a")
+    with pytest.raises(TrialError):
+        session._features(coursework)
+    assert session._pair is pair
+
+
+def test_topics_outside_the_namespace_are_all_that_do_not_begin_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session, trial = session_of("namespace"), mock.Mock()
+    session._pair = pair = mock.Mock()
+    make = mock.MagicMock()
+    make.return_value.__enter__.return_value = trial
+    monkeypatch.setattr(session, "_trial", make)
+    trial.topics.return_value = ["/judged_group/a", "/judged_group2/b", "/judged_group", "/a"]
+    session._run_in_group()
+    make.assert_called_once_with(group="/judged_group")
+    assert trial.mock_calls == [
+        mock.call.start(),
+        mock.call.topics([pair.process, pair.generator]),
+    ]
+    assert session.evidence.outside == ["/a", "/judged_group", "/judged_group2/b"]
 
 
 @pytest.mark.parametrize("real_time", [False, True])
@@ -487,16 +768,140 @@ def test_node_that_cannot_be_started_or_is_not_connected_is_named(
         trial.start_node(node)
     found = error.value
     assert (found.flaw, found.node, found.words) == ("crash", "/lab/processor", "Exec format error")
-    pair = mock.Mock(inputs={"/a": "F", "/b": "F"}, outputs={"/y": "F"}, others={"/z": "F"})
+    inputs = dict.fromkeys(["/a", "/f", "/e", "/d", "/c", "/b"], "F")
+    pair = mock.Mock(inputs=inputs, outputs={"/y": "F"}, others={"/z": "F"})
     pair.process.global_name = "/lab/processor"
     bench.links_of.return_value = {"/a", "/clock"}
     monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
-    with pytest.raises(NotConnectedError, match="^/lab/processor does not receive /b$"):
+    says = "^/lab/processor does not receive /b, /c, /d, /e, /f$"
+    with pytest.raises(NotConnectedError, match=says):
         trial.connect(pair)
-    bench.listen.assert_called_once_with({"/a": "F", "/b": "F", "/y": "F", "/z": "F"})
+    bench.listen.assert_called_once_with({**inputs, "/y": "F", "/z": "F"})
     bench.links_of.assert_called_with("/group/lab/processor")
-    bench.links_of.return_value = {"/a", "/b"}
+    bench.links_of.return_value = {*inputs, "/clock"}
     trial.connect_again(pair)
+
+
+def test_wait_of_a_trial_asks_now_and_then_and_ends_when_its_nodes_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda seconds: now.append(now.pop() + seconds))
+    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
+    watch = mock.Mock()
+    trial._running["/a"] = mock.Mock(watch=watch)
+    step = mock.Mock(side_effect=lambda: setattr(trial, "now", trial.now + 0.01))
+    monkeypatch.setattr(trial, "step", step)
+    asked: List[float] = []
+
+    def is_done(after: float) -> bool:
+        asked.append(now[0])
+        return now[0] >= after
+
+    assert trial._wait(lambda: is_done(100.0)) and not step.called
+    assert trial._wait(lambda: is_done(100.5))
+    gaps = [after - before for before, after in zip(asked[1:], asked[2:])]
+    assert len(gaps) == 10 and all(0.05 < gap < 0.061 for gap in gaps)
+    # Only once the nodes rest, or have computed for long: they may start on a busy machine.
+    for idle, busy in ((True, 0.0), (False, 20.1)):
+        begin = now[0]
+        watch.is_idle.side_effect = lambda: idle and now[0] > begin + 25.0
+        watch.busy.side_effect = lambda: busy if now[0] > begin + 25.0 else 20.0
+        assert not trial._wait(lambda: False)
+        assert now[0] - begin == pytest.approx(25.0, abs=0.02)
+    watch.is_idle.side_effect, begin = lambda: True, now[0]
+    assert not trial._wait(lambda: False)
+    assert now[0] - begin == pytest.approx(20.0, abs=0.02)
+    # Nor before some time of the clock, however long a step takes.
+    step.side_effect = lambda: (setattr(trial, "now", trial.now + 0.5), now.append(now.pop() + 9.0))
+    start = trial.now
+    assert not trial._wait(lambda: False) and trial.now - start == 3.5
+
+
+def test_pauses_of_a_trial_are_longer_than_the_runs_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now, slept = [100.0], []
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", slept.append)
+    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
+    ran: List[float] = []
+
+    def run(duration: float) -> None:
+        ran.append(duration)
+        trial.now += duration
+        now[0] += 0.5 * duration
+
+    monkeypatch.setattr(trial, "run", run)
+    begin = trial.now
+    pauses = trial.run_with_pauses([0.5, 0.01, 4.0])
+    assert ran == [0.5, 0.01, 4.0, 0.5]  # the last pause is between messages too
+    assert slept == pytest.approx([0.75, 0.05, 3.0])
+    assert [pause - begin for pause in pauses] == pytest.approx([0.5, 0.51, 4.51])
+
+
+def test_trial_runs_past_the_latest_message_of_a_topic(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = mock.Mock()
+    trial = Trial(bench, mock.Mock(), [], {}, 0.0)
+    step = mock.Mock(side_effect=lambda: setattr(trial, "now", trial.now + 0.01))
+    monkeypatch.setattr(trial, "step", step)
+    begin = trial.now
+    for late, steps in ((-0.001, 4), (0.015, 2), (0.031, 0), (0.059, 0)):
+        trial.now, step.call_count = begin, 0
+        times = [[begin - late - 9.0], [begin - late], []]
+        bench.channels.return_value = [mock.Mock(times=one) for one in times]
+        trial.run_past("/y")
+        assert step.call_count == steps
+    bench.channels.assert_called_with("/y")
+    # Without a recent message, it ends after a second.
+    step.call_count = 0
+    bench.channels.return_value = [mock.Mock(times=[begin - 5.0])]
+    trial.run_past("/y")
+    assert step.call_count == pytest.approx(100, abs=1)
+
+
+def test_step_of_a_trial_sets_the_clock_and_sees_a_flood_and_the_deadline(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    bench = mock.Mock()
+    trial = Trial(bench, mock.Mock(), [], {}, 50.0, step=0.002)
+    trial._clock, trial._restless = mock.Mock(), mock.Mock(is_its_own=lambda: False)
+    monkeypatch.setattr("time.monotonic", lambda: 50.0)
+    for count, is_flood in ((200, False), (201, True)):
+        bench.pop_count.return_value = count
+        trial.step()
+        trial._restless.update.assert_called_with(trial._clock.wait.return_value, is_flood)
+    assert trial.now == pytest.approx(0.014)
+    bench.set_clock.assert_called_with(trial.now)
+    assert trial._clock.wait.call_args[0][0] == pytest.approx(0.004)
+    monkeypatch.setattr("time.monotonic", lambda: 50.1)
+    with pytest.raises(TimeLimitExceeded):
+        trial.step()
+
+
+def test_nodes_of_a_trial_start_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a simulated clock, it jumps after the first: its loop begins again then."""
+    for is_simulated, jump in ((True, 1.0), (False, 0.0)):
+        bench, processes = mock.Mock(), [mock.Mock(), mock.Mock()]
+        monkeypatch.setattr(trial_module, "ProgramProcess", mock.Mock(side_effect=processes))
+        nodes = good("wave_loops").nodes
+        trial = Trial(bench, mock.Mock(), nodes, {}, 1e12, is_simulated)
+        calls: List[Any] = []
+        monkeypatch.setattr(trial, "run", lambda duration: calls.append(duration))
+        monkeypatch.setattr(trial, "_wait_for_clock", lambda: calls.append(trial.now - begin))
+        begin = trial.now
+        trial.start()
+        assert calls == pytest.approx([0.0, 0.03, jump, 0.03])
+        assert list(trial._running) == ["/process", "/signal_generator"]
+        assert isinstance(trial._clock, SimulatedClock if is_simulated else WallClock)
+        assert trial._restless is not None
+        for is_idle in (True, False):  # computing time of the first, and of the younger ones
+            trial._restless.update(is_idle)
+        processes[0].watch.busy.assert_called_once_with()
+        assert trial.latest == 0.0
+        trial._clock.latest = 0.7  # type: ignore[union-attr]
+        assert trial.latest == (0.0 if is_simulated else 0.7)
 
 
 def test_program_without_the_clock_is_started_after_a_while(
@@ -528,6 +933,12 @@ def test_loop_faster_than_the_finest_step_is_not_judged() -> None:
     session.evidence.baseline = mock.Mock()
     session.evidence.baseline.signal.rate.return_value = 4000.0
     session.evidence.baseline.output.rate.return_value = None
-    session._step = signal_session._FINEST_S
-    with pytest.raises(JudgingError, match="more than 4000 messages per second; lower the rate"):
-        session._is_too_fast()
+    for step, is_finest in ((0.01, False), (0.002, False), (0.0019, True), (0.0004, True)):
+        session._step = step
+        expected = contextlib.nullcontext() if not is_finest else pytest.raises(JudgingError)
+        with expected as error:
+            assert session._is_too_fast()
+    assert str(error.value) == (
+        "unknown signal: more than 4000 messages per second; lower the rate, or judge it with"
+        " --real-time"
+    )

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import sys
 import time
 from typing import Any, List, Tuple
@@ -80,6 +81,8 @@ def test_needs_build_depends_on_cmake_commands(
     assert not batch._needs_build(str(tmp_path))
     (tmp_path / "CMakeLists.txt").write_text("project(x)\n" + text + "\n")
     assert batch._needs_build(str(tmp_path)) is needs
+    (tmp_path / "CMakeLists.txt").write_bytes(text.encode() + b"\xff")
+    assert not batch._needs_build(str(tmp_path))
 
 
 def test_finder_of_a_program_prefers_its_source_and_names_it_exactly(
@@ -91,15 +94,28 @@ def test_finder_of_a_program_prefers_its_source_and_names_it_exactly(
         (folder / "pid").write_text("")
     finder = ProgramFinder("pid", ["_kp:=1"], SCENARIO_METRICS)
     assert finder.words(str(package), str(tmp_path / "ws")) == [str(package / "pid"), "_kp:=1"]
-    for text, builds in (("add_executable(pid_2 x.cpp)", False), ("add_executable( pid x)", True)):
-        (package / "CMakeLists.txt").write_text(text)
+    assert (finder.subject, finder.figures) == ("controller", SCENARIO_METRICS)
+    assert finder.is_in(str(package)) and not finder.is_built_by(str(package))
+    assert finder.hint(str(tmp_path)) == "; ws/devel/lib/x/pid can be judged by its path"
+    (package / "pid").unlink()
+    assert finder.words(str(package), str(tmp_path / "ws")) == [str(built / "pid"), "_kp:=1"]
+    assert not finder.is_in(str(package)) and finder.hint(str(package)) == ""
+    for text, builds in (
+        (b"add_executable(pid_2 x.cpp)", False),
+        (b"add_executable(my_pid x.cpp)", False),
+        (b"add_executable( pid x)", True),
+        (b"add_executable(\npid\nx)", True),
+        (b"add_executable(pid x) # \xff", False),
+    ):
+        (package / "CMakeLists.txt").write_bytes(text)
         assert finder.is_built_by(str(package)) is builds
 
 
 def test_first_error_returns_line_and_next_line() -> None:
     text = "ok\nx.cpp:1: error: expected ')'\n  int main( {\nmake: Error 2\n"
     assert batch._first_error(text) == "x.cpp:1: error: expected ')' int main( {"
-    assert batch._first_error("just this\n") == "just this"
+    assert batch._first_error("just\n\n  this\n") == "this"
+    assert batch._first_error(f"Error{'x' * 300}\n") == f"Error{'x' * 295}"
     assert batch._first_error("") == ""
 
 
@@ -134,6 +150,14 @@ def test_package_without_the_named_file_has_a_hint_of_its_controllers(
     )
     with pytest.raises(NothingToJudge, match=says):
         program().words(str(tmp_path), None)
+    for name in ("d.py", "a.py", "b.py", "c.txt"):
+        (tmp_path / name).write_text("motor_input")
+    says = r"controller\.py; a\.py or b\.py or d\.py mentions motor_input"
+    with pytest.raises(NothingToJudge, match=says):
+        program().words(str(tmp_path), None)
+    (package / "controler.py").write_text("")
+    with pytest.raises(NothingToJudge, match=r"controller\.py; did you mean controler\.py\?$"):
+        program().words(str(tmp_path), None)
 
 
 def test_build_without_add_dependencies_succeeds_once_the_messages_are_there(
@@ -146,8 +170,25 @@ def test_build_without_add_dependencies_succeeds_once_the_messages_are_there(
         f'[ "$4" = -k ] && touch {messages}\necho "x.cpp:5: fatal error: x/y.h"; exit 1\n'
     )
     (tmp_path / "x").mkdir()
-    _, notes = batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
+    calls: List[Any] = []
+
+    def run(*call: Any) -> Tuple[str, int]:
+        calls.append(call)
+        return run_bounded(*call)
+
+    monkeypatch.setattr(batch, "run_bounded", run)
+    workspace, notes = batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
     assert notes == ["it was built in a second attempt; in the first: x.cpp:5: fatal error: x/y.h"]
+    assert workspace == str(tmp_path / "scratch" / "workspace")
+    command = ["catkin_make", "-C", workspace]
+    assert [call[:2] for call in calls] == [
+        (command, 180.0),
+        ([*command, "--make-args", "-k"], 180.0),
+        (command, 180.0),
+    ]
+    assert {call[2]["LC_ALL"] for call in calls} == {"C"}
+    languages = [set(call[2]["ROS_LANG_DISABLE"].split(os.pathsep)) for call in calls]
+    assert all("gencpp" not in one for one in languages)
 
 
 def test_build_warning_with_the_word_error_is_not_a_failure(
@@ -188,15 +229,34 @@ def test_batch_judge_has_its_own_folder_and_package_and_time_beyond_its_limit(
         assert os.path.isdir(call[2]["TMPDIR"])
         return "first\nlast\n", 125
 
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["the_judge"])
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "/before")
     monkeypatch.setattr(batch, "build", lambda *_: (str(tmp_path / "ws"), ["in a second attempt"]))
     monkeypatch.setattr(batch, "run_bounded", run)
     batch.Batch(str(tmp_path / "class"), program(), ["--only", "x"], str(output), 10.0).run()
     [(command, longest, environment)] = calls
-    assert command[-3:] == ["--workspace", str(tmp_path / "ws"), str(package / "controller.py")]
-    assert longest > 10.0 and environment["TMPDIR"] != os.environ.get("TMPDIR")
-    assert environment["ROS_PACKAGE_PATH"].split(os.pathsep)[0] == str(package)
+    scratch = environment["TMPDIR"]
+    assert command == [
+        sys.executable,
+        str(tmp_path / "the_judge"),
+        "--only",
+        "x",
+        "--csv",
+        f"{scratch}/judged.csv",
+        "--picture",
+        str(output / "x.svg"),
+        "--workspace",
+        str(tmp_path / "ws"),
+        str(package / "controller.py"),
+    ]
+    assert longest == 70.0 and scratch not in (os.environ.get("TMPDIR"), None)
+    assert not os.path.exists(scratch)
+    paths = f"{package}{os.pathsep}/before"
+    assert environment == {**os.environ, "TMPDIR": scratch, "ROS_PACKAGE_PATH": paths}
     assert (output / "x.txt").read_text() == "note: in a second attempt\nfirst\nlast\n"
     assert "x,not judged,,last," in (output / "class.csv").read_text()
+    assert sorted(os.listdir(str(output))) == ["class.csv", "class.html", "x.html", "x.txt"]
     overview = (output / "class.html").read_text()
     assert 'href="x.html"' in overview and 'href="x.txt"' in overview
     assert "<img" not in (output / "x.html").read_text()
@@ -226,7 +286,10 @@ def test_batch_without_a_package_names_each_entry(
 ) -> None:
     (tmp_path / "x.pdf").write_text("")
     assert batch.Batch(str(tmp_path), program(), [], str(tmp_path / "out"), 10.0).run() == 125
-    assert capsys.readouterr().out.startswith("x.pdf: not judged: it is neither a folder nor")
+    assert capsys.readouterr() == (
+        "x.pdf: not judged: it is neither a folder nor an archive (zip, tar)\n",
+        f"judge: no package in {tmp_path}\n",
+    )
     assert not (tmp_path / "out").exists()
 
 
@@ -252,8 +315,14 @@ def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -
     monkeypatch.setattr(batch, "_BEYOND_S", 1.0)  # to say something on a busy machine
     began = time.monotonic()
     script = "trap 'echo asked' INT; echo begun >&2; sleep 60 & while :; do sleep 0.05; done"
-    assert run_bounded(["sh", "-c", script], 0.5, dict(os.environ))[0] == "begun\nasked\n"
+    assert run_bounded(["sh", "-c", script], 0.5, dict(os.environ)) == ("begun\nasked\n", -9)
     assert time.monotonic() - began < 20.0
+
+
+def test_run_bounded_command_has_its_environment_and_no_input() -> None:
+    script = "cat; echo $WHO; printf '\\377'; exit 3"
+    environment = {"PATH": os.environ["PATH"], "WHO": "me"}
+    assert run_bounded(["sh", "-c", script], 50.0, environment) == ("me\n\ufffd", 3)
 
 
 @pytest.mark.parametrize(
@@ -282,7 +351,11 @@ def test_build_adds_the_messages_of_the_course_if_they_are_used(
     added = tmp_path / "scratch" / "workspace" / "src" / "pid_control"
     assert added.exists() == has_messages
     if has_messages:
-        assert (added / "msg" / "motor_input.msg").is_file()
+        text = (added / "CMakeLists.txt").read_text()
+        listed = text.partition("add_message_files(FILES ")[2].partition(")")[0].split()
+        assert listed == ["motor_input.msg", "motor_output.msg", "set_point.msg"]
+        assert all((added / "msg" / name).is_file() for name in listed)
+        assert "<name>pid_control</name>" in (added / "package.xml").read_text()
 
 
 def test_build_folder_called_like_the_messages_of_the_course_has_both(
@@ -297,6 +370,12 @@ def test_build_folder_called_like_the_messages_of_the_course_has_both(
     sources = pathlib.Path(workspace) / "src"
     texts = [path.read_text() for path in sources.glob("*/package.xml")]
     assert len(texts) == 2 and text in texts
+    sibling = tmp_path / "sibling"
+    sibling.mkdir()
+    workspace, notes = batch.build(str(package), str(tmp_path / "again"), [str(sibling)])
+    links = {path.name: path.resolve() for path in (pathlib.Path(workspace) / "src").iterdir()}
+    assert links.pop("pid_control").is_dir() and notes == []
+    assert links == {"package": package, "sibling0": sibling}
 
 
 def test_batch_continues_after_an_unreadable_package(
@@ -360,7 +439,7 @@ def test_batch_names_that_are_equal_without_their_marks_have_a_page_each(
 
 
 def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
-    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     class_, output, judge = tmp_path / "class", tmp_path / "out", tmp_path / "judge"
     (class_ / "g1" / "scripts").mkdir(parents=True)
@@ -372,6 +451,11 @@ def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
     roster = {"g1": "Anna", "g3": "Cleo"}
     status = batch.Batch(str(class_), program(), [], str(output), 10.0, roster).run()
     assert status == 1
+    assert capsys.readouterr().out.splitlines() == [
+        "Anna g1: not judged: judged: <it>",
+        "g2.txt: not judged: it is neither a folder nor an archive (zip, tar)",
+        "Cleo g3: not judged: nothing handed in",
+    ]
     lines = (output / "class.csv").read_text().splitlines()
     assert [line.split(",")[:3] for line in lines] == [
         ["student", "controller", "verdict"],
@@ -419,7 +503,7 @@ def test_batch_that_is_interrupted_keeps_the_rows_so_far(
 
 
 def test_batch_has_the_figures_and_the_picture_of_a_judgement(
-    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     judge, output = tmp_path / "judge", tmp_path / "out"
     (tmp_path / "class" / "anna").mkdir(parents=True)
@@ -427,13 +511,26 @@ def test_batch_has_the_figures_and_the_picture_of_a_judgement(
     (tmp_path / "class" / "anna" / "controller.py").write_text("")
     judge.write_text(
         "import sys; options = dict(zip(sys.argv[1::2], sys.argv[2::2]))\n"
-        "open(options['--csv'], 'w').write('controller,verdict,flaws,why,x\\nx,passed,,,0.5\\n')\n"
+        "text = 'controller,verdict,flaws,why,a.x\\nx,passed,,,0.5\\n'\n"
+        "open(options['--csv'], 'w').write(text)\n"
         "open(options['--picture'], 'w').write('<svg/>')\n"
     )
     monkeypatch.setattr(sys, "argv", [str(judge)])
-    assert batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run() == 0
+    finder, class_ = ProgramFinder("controller.py", [], {"a": ("x",)}), str(tmp_path / "class")
+    assert batch.Batch(class_, finder, [], str(output), 10.0).run() == 0
+    assert capsys.readouterr().out == "anna: passed: all figures\n"
     lines = (output / "class.csv").read_text().splitlines()
-    assert lines == ["controller,verdict,flaws,why,x", "anna,passed,,,0.5"]
+    assert lines == ["controller,verdict,flaws,why,a.x", "anna,passed,,,0.5"]
     assert '<img src="anna.svg"' in (output / "anna.html").read_text()
-    for name in ("anna.html", "anna.txt", "anna.svg"):
-        assert f'href="{name}"' in (output / "class.html").read_text()
+    overview = (output / "class.html").read_text()
+    assert re.findall('href="([^"]*)"', overview) == ["anna.html", "anna.txt", "anna.svg"]
+    # One that passes is not all of them; a judge that says nothing has not judged.
+    (tmp_path / "class" / "ben").mkdir()
+    (tmp_path / "class" / "ben" / "package.xml").write_text("")
+    (tmp_path / "class" / "ben" / "controller.py").write_text("")
+    judge.write_text(f"import sys\nif 'anna' in sys.argv[-1]:\n exec({judge.read_text()!r})")
+    assert batch.Batch(class_, finder, [], str(output), 10.0).run() == 1
+    assert capsys.readouterr().out.splitlines() == [
+        "anna: passed: all figures",
+        "ben: not judged: the judge said nothing",
+    ]

@@ -75,6 +75,38 @@ def test_find_controller_built_program_comes_before_its_source(
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "src"))
     monkeypatch.setenv("CMAKE_PREFIX_PATH", str(tmp_path / "devel"))
     assert find_controller(["anna", "controller.py"]).name == str(built / "controller.py")
+    # A program without that ending is only looked for there if the package has none.
+    (built / "pid").write_bytes(b"\x7fELF")
+    (built / "pid").chmod(0o755)
+    assert find_controller(["anna", "pid", "a:=1"]).argv == [str(built / "pid"), "a:=1"]
+    (tmp_path / "src" / "pid").write_bytes(b"\x7fELF")
+    (tmp_path / "src" / "pid").chmod(0o755)
+    assert find_controller(["anna", "pid"]).name == str(tmp_path / "src" / "pid")
+
+
+def test_find_controller_program_of_another_workspace_belongs_to_its_package(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    """Built below a folder without package.xml, so that only the workspace names the package."""
+    built, source, here = (tmp_path / name for name in ("ws/devel/lib/anna", "ws/src", "here"))
+    for folder in (built, source, here):
+        folder.mkdir(parents=True)
+    for folder in (source, here):
+        (folder / "package.xml").write_text("<package><name>anna</name></package>")
+    (built / "pid").write_bytes(b"\x7fELF")
+    (built / "pid").chmod(0o755)
+    script = tmp_path / "ws" / "devel" / "env.sh"
+    variables = f"ROS_PACKAGE_PATH={source} CMAKE_PREFIX_PATH={tmp_path}/ws/devel"
+    script.write_text(f'#!/bin/sh\n{variables} exec "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(here))
+    command = find_controller(["anna", "pid"], workspace=str(tmp_path / "ws"))
+    assert (command.name, command.package) == (str(built / "pid"), str(source))
+    assert command.environment["ROS_PACKAGE_PATH"] == str(source)
+    assert find_controller([str(built / "pid")]).package == ""
+    says = f"^pidd: not found in the package anna \\({source}\\); did you mean pid\\?$"
+    with pytest.raises(CommandError, match=says):
+        find_controller(["anna", "pidd"], workspace=str(tmp_path / "ws"))
 
 
 def test_interrupt_lets_a_program_end_by_itself() -> None:
@@ -84,6 +116,19 @@ def test_interrupt_lets_a_program_end_by_itself() -> None:
         wait_until(lambda: controller.last_words() == "ready", controller.last_words)
         controller.interrupt()
         assert controller.status == 3
+    finally:
+        controller.end()
+
+
+def test_program_has_no_input_and_its_long_last_line_is_cut() -> None:
+    script = "cat; echo first; echo; echo '  '$(printf 'x%.0s' $(seq 400)); echo; exit 4"
+    environment = {"PATH": os.environ["PATH"]}
+    command = ProgramCommand("x", ["sh", "-c", script], environment, {}, {})
+    controller = ProgramProcess(command, {})
+    try:
+        assert not controller.writes_without_end
+        wait_until(lambda: controller.status is not None, controller.last_words)
+        assert (controller.status, controller.last_words()) == (4, "x" * 300)
     finally:
         controller.end()
 
@@ -257,12 +302,20 @@ def test_workspace_environment_is_that_of_devel_and_a_script_that_hangs_is_named
         script.write_text(f'#!/bin/sh\nFROM={name} TEXT="a=b\nc" exec "$@"\n')
         script.chmod(0o755)
     found = workspace_environment(str(tmp_path))
-    assert (found["FROM"], found["TEXT"]) == ("devel", "a=b\nc")
+    assert (found["FROM"], found["TEXT"]) == ("devel", "a=b\nc") and "" not in found
     assert workspace_environment(str(tmp_path / "install"))["FROM"] == "install"
     monkeypatch.setattr(program_command, "_ENVIRONMENT_S", 0.1)
     (tmp_path / "devel" / "env.sh").write_text("#!/bin/sh\nexec sleep 60\n")
     with pytest.raises(CommandError, match=r"devel/env\.sh fails: .*timed out"):
         workspace_environment(str(tmp_path))
+    monkeypatch.undo()
+    for text in ("#!/bin/sh\nexit 3\n", "#!/no/such/shell\n"):
+        (tmp_path / "devel" / "env.sh").write_text(text)
+        with pytest.raises(CommandError, match=rf"^{tmp_path}/devel/env\.sh fails: "):
+            workspace_environment(str(tmp_path))
+    says = rf"^{tmp_path}/x: not a built workspace; devel/env\.sh is missing$"
+    with pytest.raises(CommandError, match=says):
+        workspace_environment(f"{tmp_path}/x")
 
 
 def package_with_launch_file(tmp_path: pathlib.Path, launch: str) -> pathlib.Path:
@@ -280,7 +333,7 @@ def package_with_launch_file(tmp_path: pathlib.Path, launch: str) -> pathlib.Pat
 
 LAUNCH = """<launch>
   <rosparam file="$(find anna)/config/gains.yaml"/>
-  <node pkg="no_such_package" type="plot" name="plot"/>
+  <node pkg="no_such_package" type="plot" name="plot"><param name="rate" value="9"/></node>
   <node pkg="anna" type="controller.py" name="mine" args="--fast">
     <param name="rate" value="50"/>
     <env name="MODE" value="fast"/>
@@ -297,8 +350,8 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
     before = dict(os.environ)
     command = find_controller([str(program)])
     assert os.environ == before and command.environment["MODE"] == "fast"
-    own = {"/kp": 0.5, "/ki": 2.0, "/mine/rate": 50}
-    assert command.parameters.items() >= own.items()
+    assert command.parameters == {"/kp": 0.5, "/ki": 2.0, "/mine/rate": 50}
+    assert command.of_others == {"/plot/rate": 9}
     start = [sys.executable, str(program)]
     assert command.argv == [*start, "--fast", "__name:=mine", "set_point:=wanted"]
     launch = tmp_path / "launch" / "loop.launch"
@@ -318,7 +371,9 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
             {"node": "x"},
             r"--node: only valid with a launch file \(.*controller.py\)",
         ),
-        (["anna"], {}, r"file not found \(anna\); for a package, name a program in it as well"),
+        (["anna"], {}, r"^file not found \(anna\); for a package, name a program in it as well$"),
+        (["an/na"], {}, r"^file not found \(an/na\)$"),
+        (["no_anna", "x"], {}, r"^package not found in ROS_PACKAGE_PATH \(no_anna\)$"),
         (["{launch}"], {}, "which node is the controller\\? --node NAME, of /one, /two$"),
         (["{launch}"], {"node": "three"}, "has no node three; its nodes are /one, /two$"),
     ],

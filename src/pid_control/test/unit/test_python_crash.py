@@ -140,12 +140,18 @@ FRAME = '  File "{path}", line {line}\n'
     ],
 )
 def test_crash_in_returns_latest_exception(
-    lines: List[str], says: str, package: pathlib.Path
+    lines: List[str], says: str, package: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     program = str(package / "scripts" / "controller.py")
     output = "".join(lines).format(path=program, line=7)
     place = " (controller.py, line 7)" if says else ""
     assert crash_in(output, [program]) == says + place
+    # Neither is a frame of the interpreter itself, wherever this process runs.
+    monkeypatch.chdir(package / "scripts")
+    for inner in ("<frozen runpy>", "<string>"):
+        frames = FRAME.format(path=program, line=5) + FRAME.format(path=inner, line=7)
+        lines_of = "".join(lines).replace(FRAME, frames)
+        assert crash_in(lines_of, [program]) == says + place.replace("7", "5")
     for place in ("/usr/lib/python3/dist-packages", f"{package}/venv/lib/site-packages"):
         installed = output.replace(program, f"{place}/rospy/core.py")
         assert crash_in(installed, [program]) == says

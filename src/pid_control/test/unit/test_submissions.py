@@ -19,6 +19,7 @@ from pid_control.programs.submissions import (
     missing_in,
     name_in,
     needed_siblings,
+    packages_in,
     read_roster,
     submissions_in,
 )
@@ -100,6 +101,14 @@ def test_workspace_with_a_compiled_controller_is_the_package_that_builds_it(
     scratch = str(tmp_path / "scratch")
     [one] = submissions_in(str(tmp_path / "class"), ProgramFinder("controller", [], {}), scratch)
     assert (one.package, one.siblings) == (str(sources / "pid"), [str(sources / "messages")])
+    assert one == (
+        "anna/src/pid",
+        "anna",
+        str(sources / "pid"),
+        "",
+        [str(sources / "messages")],
+        False,
+    )
     # Of several controllers, each may need another.
     for name in ("pid", "pid2"):
         fill(sources / name, {"package.xml": "", "controller": ""})
@@ -150,15 +159,46 @@ def test_a_class_that_is_a_package_is_its_only_submission(tmp_path: pathlib.Path
     assert found(tmp_path) == [(".", "")]
 
 
+def test_built_files_and_deep_folders_of_an_entry_have_no_packages(tmp_path: pathlib.Path) -> None:
+    class_ = tmp_path / "class"
+    for name in ("build", "devel", "install", "logs", ".ros"):
+        fill(class_ / "anna" / name / "x", PACKAGE)
+    fill(class_ / "anna" / "1" / "2" / "3" / "4" / "five", PACKAGE)
+    fill(class_ / "anna" / "1" / "2" / "3" / "4" / "5" / "six", PACKAGE)
+    fill(class_ / "anna" / "off", {**PACKAGE, "CATKIN_IGNORE": ""})
+    assert found(tmp_path) == [("anna/1/2/3/4/five", "")]
+    assert packages_in(str(class_ / "anna" / "1")) == []
+    assert packages_in(str(class_ / "anna" / "1"), 4) == [str(class_ / "anna/1/2/3/4/five")]
+
+
+def test_entry_with_several_archives_is_named_by_each(tmp_path: pathlib.Path) -> None:
+    class_ = tmp_path / "class"
+    (class_ / "anna").mkdir(parents=True)
+    for name in ("a", "b"):
+        make_zip(class_ / "anna" / f"{name}.zip", {"pid/package.xml": "", "x/package.xml": name})
+    (class_ / "anna" / "c.zip").write_text("")
+    (class_ / "anna" / "d.txt").write_text("")
+    finder, scratch = ProgramFinder("controller.py", [], {}), f"{tmp_path}/scratch"
+    submissions = submissions_in(str(class_), finder, scratch)
+    assert submissions == [
+        ("anna/a.zip/pid", "anna", f"{scratch}/0-0/pid", "", [f"{scratch}/0-0/x"], False),
+        ("anna/b.zip/pid", "anna", f"{scratch}/0-1/pid", "", [f"{scratch}/0-1/x"], False),
+        ("anna/c.zip", "anna", "", "it cannot be unpacked: File is not a zip file", (), False),
+    ]
+
+
 @pytest.mark.parametrize("make", [make_zip, make_tar])
-@pytest.mark.parametrize("name", ["../evil", "/tmp/evil", "a/../../evil", "..\\evil", "C:\\evil"])
+@pytest.mark.parametrize(
+    "name", ["../evil", "/tmp/evil", "\\evil", "a/../../evil", "..\\evil", "C:\\evil"]
+)
 def test_unpack_path_that_leads_out_is_refused(
     tmp_path: pathlib.Path, make: object, name: str
 ) -> None:
     assert callable(make)
     archive = make(tmp_path / ("x.zip" if make is make_zip else "x.tar.gz"), {name: "evil"})
-    with pytest.raises(ArchiveError, match="a path leads out of it"):
+    with pytest.raises(ArchiveError) as error:
         unpack(str(archive), str(tmp_path / "target"))
+    assert str(error.value) == f"a path leads out of it ({name})"
     assert sorted(os.listdir(str(tmp_path))) == [archive.name]
 
 
@@ -250,10 +290,17 @@ def test_unpack_path_with_a_zero_byte_is_refused(tmp_path: pathlib.Path) -> None
 @pytest.mark.parametrize("make", [make_zip, make_tar])
 def test_unpack_name_with_a_colon_is_kept(tmp_path: pathlib.Path, make: object) -> None:
     assert callable(make)
-    name = "notes 10:30.txt"
-    archive = make(tmp_path / ("x.zip" if make is make_zip else "x.tar.gz"), {name: "text"})
-    unpack(str(archive), str(tmp_path / "target"))
-    assert (tmp_path / "target" / name).read_text() == "text"
+    name, long = "notes 10:30.txt", "".join(map(str, range(30_000)))
+    files = {name: "text", "./a//b\\c": "deep", "a/b/long": long}
+    archive = make(tmp_path / ("x.zip" if make is make_zip else "x.tar.gz"), files)
+    target = tmp_path / "target"
+    unpack(str(archive), str(target))
+    kept = {str(path.relative_to(target)): path for path in target.rglob("*") if path.is_file()}
+    assert {path: kept[path].read_text() for path in kept} == {
+        name: "text",
+        "a/b/c": "deep",
+        "a/b/long": long,
+    }
 
 
 def test_unpack_counts_members_that_are_not_files(
@@ -267,8 +314,12 @@ def test_unpack_counts_members_that_are_not_files(
             member.type, member.linkname = tarfile.SYMTYPE, "x"
             packed.addfile(member)
     for name in ("x.zip", "x.tar"):
-        with pytest.raises(ArchiveError, match="too many files"):
+        with pytest.raises(ArchiveError, match=r"^too many files \(more than 3\)$"):
             unpack(str(tmp_path / name), str(tmp_path / "target"))
+    monkeypatch.setattr(archives, "_MOST", 4)
+    for name in ("x.zip", "x.tar"):
+        unpack(str(tmp_path / name), str(tmp_path / f"target of {name}"))
+        assert os.listdir(str(tmp_path / f"target of {name}")) == []
 
 
 @pytest.mark.parametrize("ending", ["tar", "tar.gz", "tar.bz2", "tar.xz"])
@@ -294,20 +345,28 @@ def test_unpack_large_archives_are_refused(
 ) -> None:
     many = make_zip(tmp_path / "many.zip", {str(index): "" for index in range(4)})
     large = make_zip(tmp_path / "large.zip", {"a": "0" * 3000, "b": "0" * 3000})
+    assert (archives._MOST, archives._LARGEST) == (10_000, 200_000_000)
     monkeypatch.setattr(archives, "_MOST", 3)
-    monkeypatch.setattr(archives, "_LARGEST", 4999)
+    monkeypatch.setattr(archives, "_LARGEST", 5999)
     with pytest.raises(ArchiveError, match="too many files"):
         unpack(str(many), str(tmp_path / "target"))
-    with pytest.raises(ArchiveError, match="too large"):
+    with pytest.raises(ArchiveError, match=r"^too large \(more than 0 MB\)$"):
         unpack(str(large), str(tmp_path / "target"))
     assert not (tmp_path / "target").exists()
+    monkeypatch.setattr(archives, "_LARGEST", 6000)
+    unpack(str(large), str(tmp_path / "target"))
 
 
 def test_stem_of_removes_the_ending_of_archives_only(tmp_path: pathlib.Path) -> None:
-    names = ["a.zip", "a.TAR.GZ", "a.tgz", "a.b", "a"]
-    assert [stem_of(name) for name in names] == ["a", "a", "a", "a.b", "a"]
+    endings = "zip ZIP tar tar.gz TAR.GZ tgz tar.bz2 tbz2 tar.xz txz"
+    names = [f"a.{ending}" for ending in endings.split()]
+    assert {stem_of(name) for name in names} == {"a"}
+    assert [stem_of(name) for name in ("a.b", "a", "tar.gz.b")] == ["a.b", "a", "tar.gz.b"]
     (tmp_path / "folder.zip").mkdir()
-    assert not is_archive(str(tmp_path / "folder.zip"))
+    (tmp_path / "a.txt").write_text("")
+    (tmp_path / "a.zip").write_text("")
+    found = [name for name in ("folder.zip", "a.txt", "a.zip") if is_archive(f"{tmp_path}/{name}")]
+    assert found == ["a.zip"]
 
 
 def test_roster_maps_folders_and_archives_to_students(tmp_path: pathlib.Path) -> None:
@@ -316,8 +375,8 @@ def test_roster_maps_folders_and_archives_to_students(tmp_path: pathlib.Path) ->
     roster = read_roster(str(path))
     assert roster == {"g1": "Anna, B.", "g2": "Ben", "g3": "Cleo"}
     there = [Submission("g1.zip/x", "g1.zip", "/x"), Submission("g2", "g2", "/y")]
-    [missing] = missing_in(there, roster)
-    assert (missing.entry, missing.why) == ("g3", "nothing handed in")
+    missing = missing_in(there, roster)
+    assert missing == [("g3", "g3", "", "nothing handed in", (), False)]
 
 
 def test_roster_names_the_student_of_a_file_that_is_not_unpacked(tmp_path: pathlib.Path) -> None:
@@ -355,7 +414,9 @@ def test_roster_heading_is_skipped(tmp_path: pathlib.Path, heading: str, names: 
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("a\n", "line 1: must be a folder or archive, and a student"),
+        ("a\n", "^line 1: must be a folder or archive, and a student$"),
+        ("a,A\n\n,B\n", "^line 3: must be a folder or archive, and a student$"),
+        ("a,A\nb, \n", "^line 2: must be a folder or archive, and a student$"),
         ("a,Anna\na.zip,Ben\n", "line 2: a.zip appears twice"),
         ('"' + 200_000 * "x", r"it is not CSV: field larger than field limit \(131072\)"),
     ],

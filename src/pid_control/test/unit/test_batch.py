@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 import time
-from typing import Any, List, Tuple
+from typing import Any, Iterator, List, Tuple
 from unittest import mock
 
 import pytest
@@ -319,8 +319,21 @@ def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -
     assert time.monotonic() - began < 20.0
 
 
+@pytest.fixture
+def typed() -> Iterator[None]:
+    """Let this process have an input, which no program of a student may read."""
+    before, (read, write) = os.dup(0), os.pipe()
+    os.write(write, b"typed\n")
+    os.dup2(read, 0)
+    yield
+    os.dup2(before, 0)
+    for descriptor in (before, read, write):
+        os.close(descriptor)
+
+
+@pytest.mark.usefixtures("typed")
 def test_run_bounded_command_has_its_environment_and_no_input() -> None:
-    script = "cat; echo $WHO; printf '\\377'; exit 3"
+    script = "timeout 5 cat; echo $WHO; printf '\\377'; exit 3"
     environment = {"PATH": os.environ["PATH"], "WHO": "me"}
     assert run_bounded(["sh", "-c", script], 50.0, environment) == ("me\n\ufffd", 3)
 

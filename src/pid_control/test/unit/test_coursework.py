@@ -137,6 +137,9 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     assert [node.global_name for node in found.nodes] == ["/my_process", "/sin_gen"]
     assert "my_process.py and sin_gen.py are started without a launch file" in found.notes
     (tmp_path / "scripts" / "gen_tools.py").write_text("")  # no node
+    (tmp_path / "scripts" / "a_process.txt").write_text(NODE)  # no program
+    (tmp_path / "scripts" / "b_process.py").symlink_to("nowhere")
+    (tmp_path / "scripts" / "sin_other.py").write_text(NODE)
     for programs in ([], ["sin_gen.py", "my_process.py"]):
         found = find_coursework(folder, [], dict(ENVIRONMENT), programs)
         assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
@@ -187,7 +190,7 @@ def test_find_coursework_reports_a_launch_file_of_one_node(tmp_path: pathlib.Pat
 def test_find_coursework_names_the_package_of_a_foreign_launch_file(
     tmp_path: pathlib.Path,
 ) -> None:
-    both = node("plot.py", "rqt") + node("process.py", "ben") + node("signal.py", "ben")
+    both = node("plot.py", "rqt") + node("process.py", "ben") + node("signal.py", "cleo")
     folder = package(tmp_path, {"a.launch": both}, "signal.py", "process.py")
     missing = find_coursework(folder, [], dict(ENVIRONMENT)).missing
     assert missing == (
@@ -201,13 +204,14 @@ def test_find_coursework_prefers_the_launch_file_with_fitting_names(
 ) -> None:
     talk = node("talker.py") + node("listener.py")
     both = node("process.py") + node("signal.py")
-    launch = {"a.launch": talk, "b.launch": both, "c.launch": both}
+    some = node("process.py") + node("talker.py")
+    launch = {"a.launch": talk, "aa.launch": some, "b.launch": both, "c.launch": both}
     folder = package(tmp_path, launch, "talker.py", "listener.py", "signal.py", "process.py")
     found = find_coursework(folder, [], dict(ENVIRONMENT))
     assert found.launch_file.endswith("b.launch")
     # Of the others, nothing is said.
     assert [one for one in found.notes if "launch" in one] == ["launch file: b.launch"]
-    for name in ("b.launch", "c.launch"):
+    for name in ("aa.launch", "b.launch", "c.launch"):
         (tmp_path / name).unlink()
     found = find_coursework(folder, [], dict(ENVIRONMENT))  # by the names of the programs
     assert [node.program for node in found.nodes] == ["process.py", "signal.py"]

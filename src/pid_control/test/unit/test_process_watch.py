@@ -1,5 +1,6 @@
 """Tests of the watch of a controller's processes."""
 
+import io
 import os
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from typing import Iterator, List, Sequence, Set
 import pytest
 
 from nodekit.testing.waiting import wait_until
+from pid_control.programs import process_watch
 from pid_control.programs.process_watch import ProcessWatch, adopt_orphans, own_children
 
 #: Starts a thread for each line that it reads, which computes until the next.
@@ -89,6 +91,14 @@ def test_busy_counts_processor_time(computing: Watched) -> None:
     say(computing, b"work\n")
     before = computing.watch.busy()
     wait_until(lambda: computing.watch.busy() > before + 0.1, lambda: "no processor time")
+
+
+def test_processor_time_is_that_of_the_program_and_of_the_kernel(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    text = "7 (a) b) " + " ".join(["R", *map(str, range(1, 50))])
+    monkeypatch.setattr(process_watch, "open", lambda _: io.StringIO(text), raising=False)
+    assert process_watch.processor_time(7) == (11 + 12) / os.sysconf("SC_CLK_TCK")
 
 
 def test_kill_ends_processes_in_other_sessions() -> None:

@@ -3,9 +3,10 @@
 import os
 import pathlib
 import sys
-from typing import Dict, List, Optional
+from typing import Dict, Iterator, List, Optional
 
 import pytest
+from roslaunch import substitution_args
 
 from nodekit.testing.waiting import wait_until
 from pid_control.programs import program_command
@@ -15,6 +16,7 @@ from pid_control.programs.program_command import (
     find_controller,
     find_files,
     near_names,
+    package_environment,
     workspace_environment,
 )
 from pid_control.programs.program_process import ProgramProcess
@@ -120,8 +122,23 @@ def test_interrupt_lets_a_program_end_by_itself() -> None:
         controller.end()
 
 
+@pytest.fixture
+def typed() -> Iterator[None]:
+    """Let this process have an input, which no program of a student may read."""
+    before, (read, write) = os.dup(0), os.pipe()
+    os.write(write, b"typed\n")
+    os.dup2(read, 0)
+    yield
+    os.dup2(before, 0)
+    for descriptor in (before, read, write):
+        os.close(descriptor)
+
+
+@pytest.mark.usefixtures("typed")
 def test_program_has_no_input_and_its_long_last_line_is_cut() -> None:
-    script = "cat; echo first; echo; echo '  '$(printf 'x%.0s' $(seq 400)); echo; exit 4"
+    script = (
+        "read line && exit 5; echo first; echo; echo '  '$(printf 'x%.0s' $(seq 400)); echo; exit 4"
+    )
     environment = {"PATH": os.environ["PATH"]}
     command = ProgramCommand("x", ["sh", "-c", script], environment, {}, {})
     controller = ProgramProcess(command, {})
@@ -278,7 +295,8 @@ def test_find_controller_of_launch_file_starts_python_node(
     program.write_bytes(b"#!/usr/bin/env no_python\n" + SAYS)
     program.chmod(0o755)
     launch = tmp_path / "anna.launch"
-    launch.write_text('<launch><node pkg="anna" type="controller.py" name="control"/></launch>')
+    node = '<node pkg="anna" type="controller.py" name="control"/>'
+    launch.write_text(f'<launch><param name="from" value="$(env FROM)"/>{node}</launch>')
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path), prepend=os.pathsep)
     devel = tmp_path / "devel"
     devel.mkdir()
@@ -288,6 +306,7 @@ def test_find_controller_of_launch_file_starts_python_node(
     command = find_controller([str(launch)], workspace=str(devel))
     assert os.environ == before
     assert (command.package, command.environment["FROM"]) == (str(tmp_path), "devel")
+    assert command.parameters == {"/from": "devel"}
     assert command.argv[:3] == [sys.executable, str(program), "__name:=control"]
     problem = "interpreter not found (no_python)"
     assert command.notes == [f"{program}: {problem}; started with python3"]
@@ -394,6 +413,28 @@ def test_find_controller_only_node_of_a_launch_file_is_taken(tmp_path: pathlib.P
     launch = tmp_path / "one.launch"
     launch.write_text('<launch><node pkg="pid_control" type="system.py" name="mine"/></launch>')
     assert find_controller([str(launch)]).name == f"{launch} /mine"
+
+
+def test_find_controller_first_launch_file_by_name_is_used(tmp_path: pathlib.Path) -> None:
+    program = package_with_launch_file(tmp_path, LAUNCH)
+    for name in "hgfedcba":
+        (tmp_path / "launch" / f"{name}.launch").write_text(LAUNCH)
+    [note] = find_controller([str(program)]).notes
+    assert note.startswith(f"{tmp_path}/launch/a.launch: ")
+
+
+def test_package_environment_forgets_the_paths_that_roslaunch_keeps(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr(substitution_args, "_rospack", "of another package")
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", "/devel")
+    before = dict(os.environ)
+    for package, paths in (("/anna", f"/anna{os.pathsep}/x"), ("", "/x")):
+        with package_environment(package, {"ROS_PACKAGE_PATH": "/x", "FROM": "it"}):
+            assert (os.environ["ROS_PACKAGE_PATH"], os.environ["FROM"]) == (paths, "it")
+            assert "CMAKE_PREFIX_PATH" not in os.environ and substitution_args._rospack is None
+            substitution_args._rospack = "of this one"
+        assert os.environ == before and substitution_args._rospack is None
 
 
 def test_find_controller_program_keeps_its_arguments(tmp_path: pathlib.Path) -> None:

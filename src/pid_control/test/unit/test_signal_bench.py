@@ -15,7 +15,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32, String
 
 from pid_control.msg import motor_input
-from pid_control.programs.node_queries import NodeTopics
+from pid_control.programs.node_queries import NodeTopics, ask_topics
 from pid_control.programs.package_messages import MessageTypeError
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.channels import Channel
@@ -266,6 +266,22 @@ def test_signal_bench_asks_a_node_for_its_own_topics(monkeypatch: "pytest.Monkey
     for error in (rosgraph.MasterError, OSError, xmlrpc.client.Fault(0, "")):
         master.return_value.lookupNode.side_effect = error
         assert (bench.topics_of("/a"), bench.links_of("/a")) == (None, set())
+
+
+def test_ask_topics_returns_what_a_node_publishes_and_subscribes_to(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    connect = mock.MagicMock()
+    node = connect.return_value.__enter__.return_value
+    node.getPublications.return_value = 1, "", [["/s", "F"]]
+    node.getSubscriptions.return_value = 1, "", [["/t", "G"], ["/u", "H"]]
+    monkeypatch.setattr("xmlrpc.client.ServerProxy", connect)
+    assert ask_topics("/judge", "http://a") == ({"/s": "F"}, {"/t": "G", "/u": "H"})
+    assert connect.call_args[0] == ("http://a",)
+    assert node.mock_calls[:2] == [
+        mock.call.getPublications("/judge"),
+        mock.call.getSubscriptions("/judge"),
+    ]
 
 
 def test_coursework_bench_without_its_node_leaves_no_master(

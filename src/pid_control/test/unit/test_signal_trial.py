@@ -11,6 +11,7 @@ import pytest
 
 from pid_control.judging.record import Pause
 from pid_control.programs.node_queries import NodeTopics
+from pid_control.programs.package_messages import MessageTypeError
 from pid_control.runner.clock import SimulatedClock, WallClock
 from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.signal_runner import signal_session
@@ -277,7 +278,11 @@ def test_record_of_a_baseline_is_settled_paused_checked_and_restarted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The whole order, of which each step needs the one before."""
-    for real_time, scenarios in ((False, ["signal", "restart"]), (True, ["signal"])):
+    for real_time, scenarios, is_sine in (
+        (False, ["signal", "restart"], True),
+        (False, ["signal", "restart"], False),
+        (True, ["signal"], True),
+    ):
         session = session_of(*scenarios)
         session._real_time = real_time
         calls = mock.Mock()
@@ -286,7 +291,8 @@ def test_record_of_a_baseline_is_settled_paused_checked_and_restarted(
         trial.publishes_while_paused.return_value = False
         trial.run.side_effect = lambda duration: setattr(trial, "now", trial.now + duration)
         signal, output = mock.Mock(), mock.Mock()
-        signal.rate.return_value = 25.0
+        signal.rate.return_value = 25.0 if is_sine else None
+        calls.features_of.return_value.signal.sine = 1.0 if is_sine else None
         calls.channels.return_value = signal, output
         for name in (
             "run_periods",
@@ -308,8 +314,10 @@ def test_record_of_a_baseline_is_settled_paused_checked_and_restarted(
             calls.constants.return_value,
             trial.own_parameters.return_value,
         )
-        of_clock = [] if real_time else [mock.call.check_clock(trial, pair, 25.0)]
-        of_restart = [] if real_time else [mock.call.run_restart(trial, pair, 4.0, 5.0)]
+        of_clock = [] if real_time or not is_sine else [mock.call.check_clock(trial, pair, 25.0)]
+        of_restart = (
+            [] if real_time or not is_sine else [mock.call.run_restart(trial, pair, 4.0, 5.0)]
+        )
         assert calls.mock_calls == [
             mock.call.trial.connect(pair),
             mock.call.trial.run(1.0),
@@ -326,6 +334,55 @@ def test_record_of_a_baseline_is_settled_paused_checked_and_restarted(
             *of_restart,
             mock.call.check_lateness(trial),
         ]
+
+
+@pytest.mark.parametrize(
+    ("real_time", "is_as_started", "fast", "oscillates"),
+    [
+        (False, True, [False], True),
+        (False, True, [False], False),
+        (False, False, [False], True),
+        (False, True, [True, True, False], True),
+        (True, True, [True], True),
+        (True, False, [True], True),
+    ],
+)
+def test_baseline_is_repeated_in_the_order_of_the_nodes_and_with_finer_steps(
+    real_time: bool,
+    is_as_started: bool,
+    fast: List[bool],
+    oscillates: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session, calls, make = session_of("signal"), mock.Mock(), mock.MagicMock()
+    process, generator = nodes = good("wave_loops").nodes
+    session._coursework.nodes = nodes if is_as_started else nodes[::-1]  # type: ignore[misc]
+    session._real_time = real_time
+    session.evidence.baseline = baseline = mock.Mock()
+    baseline.signal.name, baseline.output.name = "/s/data", "/p/data"
+    trial, pair = make.return_value.__enter__.return_value, NodePair(generator, process, {}, {}, {})
+    trial.find_pair.return_value = pair
+    calls.is_too_fast.side_effect = fast
+    for name in ("record_baseline", "repeat_baseline", "is_too_fast", "repeat_if_distorted"):
+        monkeypatch.setattr(session, f"_{name}", getattr(calls, name))
+    monkeypatch.setattr(session, "_trial", make)
+    monkeypatch.setattr(signal_session, "oscillates", lambda one: oscillates)
+    session._run_baseline()
+    assert trial.mock_calls == [mock.call.start(), mock.call.find_pair()]
+    finer = [] if real_time else [mock.call.repeat_baseline(pair), mock.call.is_too_fast()]
+    assert calls.mock_calls == [
+        mock.call.record_baseline(trial, pair)
+        if is_as_started
+        else mock.call.repeat_baseline(pair),
+        *([] if real_time else [mock.call.is_too_fast()]),
+        *finer * (len(fast) - 1),
+        *([mock.call.repeat_if_distorted(baseline, pair)] if oscillates and not real_time else []),
+    ]
+    assert session._step == pytest.approx(0.01 if real_time else 0.01 * 0.2 ** (len(fast) - 1))
+    assert session._pair is pair and session.notes == [
+        "signal_generator.py is the signal generator, process.py the process node",
+        "signal: /s/data; output: /p/data",
+    ]
 
 
 @pytest.mark.parametrize(("frequency", "silence"), [(9.0, 2.0), (1.0, 2.0 * math.pi), (0.1, 30.0)])
@@ -902,6 +959,76 @@ def test_nodes_of_a_trial_start_one_after_the_other(monkeypatch: pytest.MonkeyPa
         assert trial.latest == 0.0
         trial._clock.latest = 0.7  # type: ignore[union-attr]
         assert trial.latest == (0.0 if is_simulated else 0.7)
+
+
+def test_pair_of_a_trial_has_the_topics_that_appear_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = mock.Mock()
+    process, generator = nodes = good("wave_loops").nodes
+    topics: Dict[str, Any] = {
+        "/group/process": NodeTopics({"/p": "F"}, {"/s": "F"}),
+        "/group/signal_generator": NodeTopics({"/s": "F"}, {}),
+    }
+    bench.topics_of.side_effect = topics.get
+    bench.listen.side_effect = MessageTypeError
+    trial = Trial(bench, mock.Mock(), nodes, {}, 0.0, group="/group")
+    monkeypatch.setattr(trial, "_wait", lambda is_done: is_done())
+    late = NodeTopics({"/s": "F", "/time": "F"}, {})
+    run = mock.Mock(side_effect=lambda _: topics.update({"/group/signal_generator": late}))
+    monkeypatch.setattr(trial, "run", run)
+    assert trial.find_pair() == (generator, process, {"/s": "F"}, {"/p": "F"}, {"/time": "F"})
+    run.assert_called_once_with(0.5)
+    bench.listen.assert_called_once_with({"/p": "F", "/s": "F"})
+    del topics["/group/process"]
+    trial._running["/a"] = mock.Mock()
+    with pytest.raises(NotConnectedError) as error:
+        trial.find_pair()
+    assert str(error.value) == (
+        "process.py does not answer; signal_generator.py publishes /s (F), /time (F) and subscribes"
+        " to nothing"
+    )
+
+
+def test_search_for_a_pair_is_over_once_all_nodes_rest_with_their_topics(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    trial = Trial(mock.Mock(), mock.Mock(), [mock.Mock(), mock.Mock()], {}, 0.0)
+    watch = mock.Mock()
+    trial._running["/a"] = mock.Mock(watch=watch)
+    trial.now = 50.0
+    monkeypatch.setattr("time.monotonic", lambda: 80.0)
+    nothing, sends, hears = (
+        NodeTopics({}, {}),
+        NodeTopics({"/x": "F"}, {}),
+        NodeTopics({}, {"/y": "F"}),
+    )
+    for found, since, since_by_machine, is_idle, is_over in (
+        ([sends, hears], 46.9, 76.9, True, True),
+        ([sends, hears], 46.9, 76.9, False, False),
+        ([sends, hears], 47.1, 76.9, True, False),
+        ([sends, hears], 46.9, 77.1, True, False),
+        ([sends, nothing], 46.9, 76.9, True, False),
+        ([sends], 46.9, 76.9, True, False),
+    ):
+        watch.is_idle.return_value = is_idle
+        topics = dict(zip("ab", found))
+        assert trial._is_over(topics, since, since_by_machine) is is_over
+
+
+def test_clock_of_the_nodes_is_waited_for_until_they_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [50.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("time.sleep", lambda seconds: now.append(now.pop() + seconds))
+    for is_simulated, listeners, seconds in ((True, 0, 1.0), (True, 1, 0.0), (False, 0, 0.0)):
+        bench, begin = mock.Mock(), now[0]
+        trial = Trial(bench, mock.Mock(), [], {}, 0.0, is_simulated)
+        process = mock.Mock(status=None, writes_without_end=False)
+        process.watch.is_idle.return_value = True
+        trial._running["/a"] = process
+        bench.clock_listeners.return_value = listeners
+        trial._wait_for_clock()
+        assert now[0] - begin == pytest.approx(seconds, abs=0.02)
+        waits = [mock.call(1.0)] if is_simulated and listeners else []
+        assert process.watch.wait_idle.call_args_list == waits
 
 
 def test_program_without_the_clock_is_started_after_a_while(

@@ -175,7 +175,7 @@ def test_enum_accepts_only_its_words():
     assert ENUM.range == "{off, sine, square}"
 
 
-@pytest.mark.parametrize("raw", NOBODY_TAKES, ids=repr)
+@pytest.mark.parametrize("raw", NOBODY_TAKES, ids=lambda raw: type(raw).__name__)
 @pytest.mark.parametrize("parameter", KINDS, ids=lambda parameter: parameter.type_name)
 def test_values_of_no_parameter_type_are_refused(parameter, raw):
     assert_refused(parameter, raw)

@@ -5,11 +5,18 @@ from typing import Callable, Optional
 
 import pytest
 
+from pid_control.controller.pid import PID
 from pid_control.judging.experiment import MotorOutput
 from pid_control.judging.line_fit import fit_line
-from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
+from pid_control.judging.metrics import (
+    METRICS,
+    SCENARIO_METRICS,
+    growths,
+    leave_times,
+    metrics_of,
+)
 from pid_control.judging.record import Pause, Record, Row
-from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, scaled, steps
+from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, scaled, steps, value_at
 from played import Law, pi, play, play_all, play_one
 
 
@@ -128,7 +135,8 @@ def test_windup_keeps_the_input_at_its_limit() -> None:
     assert figure(good, "leave_time") == pytest.approx(0.0, abs=0.01)
     bad = play_one("windup", pi(anti_windup="none"))
     # At 20 rad/s wanted and 13 there, the integral has grown by ki 7 rad/s 1.3 s and more.
-    assert figure(bad, "leave_time") > 0.5
+    assert leave_times(bad) == pytest.approx([1.066, 0.462, 1.06, 0.462], abs=0.005)
+    assert figure(bad, "leave_time") == max(leave_times(bad))
 
 
 def slow_pi(interval: Optional[float]) -> Callable[[], Law]:
@@ -154,6 +162,8 @@ def test_a_constant_interval_shows_where_the_loop_is_slow() -> None:
     # 2 ms are taken for what lasts 70 ms.
     error = figure(play_one("rate", slow_pi(0.002)), "interval_error")
     assert error == pytest.approx(1.0 - 2.0 / 70.0, abs=0.02)
+    quick, slow = growths(play_one("rate", slow_pi(0.004)))  # 4 ms, for what lasts 2 ms
+    assert (quick, slow) == pytest.approx((2 * 1.2 * 0.1, 4.0 / 70.0 * 1.2 * 0.1), rel=0.01)
     assert figure(play_one("rate", pi(ki=0.0)), "interval_error") is None
 
 
@@ -161,6 +171,21 @@ def test_interval_error_of_an_integral_that_reaches_its_limit_is_not_measured() 
     assert figure(play_one("rate", pi(ki=73.0)), "interval_error") is None
     small = scaled(BY_NAME["rate"], 0.08, 73.0)
     assert figure(play(small, pi(ki=73.0)()), "interval_error") < 0.05
+
+
+def test_held_makes_errors_of_all_sizes_by_the_set_point_and_by_the_motor() -> None:
+    held = BY_NAME["held"]
+    times = [0.1 * step + 0.05 for step in range(int(10 * held.duration))]
+    errors = [value_at(held.set_point, time) - value_at(held.held_speed, time) for time in times]
+    probe = [1.0, -1.0, -1.0, 1.0, 0.0]
+    sizes = [0.001, 0.01, 0.1, 1.0, 10.0]
+    twice = [size for size in sizes for _ in ("set_point", "motor_output")]
+    expected = [0.0, 0.0, *(size * sign for size in twice for sign in probe), 0.0]
+    assert errors == pytest.approx(expected)
+    of_set_point = {round(time, 2) for time in times if value_at(held.set_point, time)}
+    assert {round(time + 0.5, 2) for time in of_set_point} == {
+        round(time, 2) for time in times if value_at(held.held_speed, time)
+    }
 
 
 def test_both_responses_and_their_signs() -> None:
@@ -216,7 +241,7 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not(ki: floa
         return answer
 
     assert figure(play_one("held", make_kicking), "kick") == pytest.approx(0.2, abs=0.01)
-    assert figure(play_one("held", pi(ki=ki)), "kick") < 0.001
+    assert figure(play_one("held", pi(mode=PID, ki=ki, kd=0.001)), "kick") < 0.001
 
 
 def jumped(record: Record, *spans: float) -> Record:

@@ -1,10 +1,11 @@
 """Tests of the failures of a controller in a scenario."""
 
+from typing import Optional
 from unittest import mock
 
 import pytest
 
-from pid_control.judging.record import ENDED, SILENT, Record
+from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
 from pid_control.judging.scenarios import BY_NAME
 from pid_control.runner.failure_detection import BusyDetector, completed, failure_of
 from pid_control.runner.judging_errors import BusyMachineError, JudgingError
@@ -26,8 +27,14 @@ def test_busy_detector_blames_the_controller_or_the_machine(
     spent[0] = 13.5  # more than 3 s since it was idle
     assert detector.is_its_own()
     spent[0], now[0] = 12.0, 71.0
-    with pytest.raises(BusyMachineError):
+    says = "^this machine is too busy: the controller gets no processor time$"
+    with pytest.raises(BusyMachineError, match=says):
         detector.is_its_own()
+    now[0] = 69.0  # 29 s since it was idle
+    assert not detector.is_its_own()
+    detector.update(True)
+    spent[0] = 99.0
+    assert not detector.is_its_own()
 
 
 def test_flood_with_idle_moments_is_computing_without_a_pause() -> None:
@@ -56,5 +63,23 @@ def test_failure_of_a_record_has_the_last_words_and_is_not_replaced() -> None:
     assert completed(silent._replace(failure=ENDED), process)[1:3] == (ENDED, "KeyError: 9")
     answered = silent._replace(answers=[(1.9, 0.0)])
     assert completed(answered, process) == answered
-    with pytest.raises(JudgingError, match="killed"):
+    says = r"^the controller was killed \(signal 9\), maybe for lack of memory$"
+    with pytest.raises(JudgingError, match=says):
         failure_of(mock.Mock(status=-9))
+
+
+@pytest.mark.parametrize(
+    "status, writes_without_end, is_restless, failure",
+    [
+        (None, False, False, ""),
+        (None, False, True, RESTLESS),
+        (None, True, True, WRITES_WITHOUT_END),
+        (0, True, True, ENDED),
+        (-15, False, False, ENDED),
+    ],
+)
+def test_failure_of_a_controller_is_its_worst(
+    status: Optional[int], writes_without_end: bool, is_restless: bool, failure: str
+) -> None:
+    process = mock.Mock(status=status, writes_without_end=writes_without_end)
+    assert failure_of(process, is_restless) == failure

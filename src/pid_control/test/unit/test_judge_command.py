@@ -9,10 +9,13 @@ from unittest import mock
 import pytest
 
 from pid_control.commands import identify, judge, judge_signals, judging_command, tune
+from pid_control.judging.metrics import SCENARIO_METRICS
+from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, MOTOR
 from pid_control.runner.judging_errors import JudgingError
-from pid_control.verdicts.judgement import Cause, Failure, Judgement
+from pid_control.verdicts.judgement import Cause, Failure, Finding, Judgement
+from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table
 
 #: What a class run judges in each package.
 NAMED = ["both.launch", "gain:=2", "--fast"]
@@ -47,6 +50,24 @@ SIMULATED = """
         (["{folder}/controller"], "is not executable: chmod +x {folder}/controller"),
         (["--only", "stairs", "x"], "unknown scenario 'stairs'; choose from held, rate"),
         (["--time-limit", "0", "x"], "'0' must be from 1 to 3600 s"),
+        (["--time-limit", "3601", "x"], "'3601' must be from 1 to 3600 s"),
+        (["--full-speed", "0", "x"], "'0' must be above 0 and at most 1e+06 rad/s"),
+        (["--full-speed", "1.1e6", "x"], "'1.1e6' must be above 0 and at most 1e+06 rad/s"),
+        (["--roster", "r.csv", "x", "y"], "not judged: --roster: only valid with --class"),
+        (["--class", "{folder}", "--node", "n"], "judge: --node: not valid with --class"),
+        (
+            ["--class", "{folder}", "--workspace", "w"],
+            "judge: --workspace: not valid with --class",
+        ),
+        (
+            ["--class", "{folder}", "--picture", "p.svg"],
+            "judge: --picture: not valid with --class",
+        ),
+        (
+            ["--class", "{folder}", "--roster", "nowhere.csv"],
+            "judge: nowhere.csv: No such file or directory",
+        ),
+        (["--limits", "{folder}/latin.yaml", "x"], "judge: {folder}/latin.yaml: 'utf-8' codec"),
         (["--time-limit", "long", "x"], "'long' must be from 1 to 3600 s"),
         (
             ["--class", "{folder}", "--roster", "{folder}/roster.csv"],
@@ -79,6 +100,7 @@ def test_judge_invalid_request_names_the_problem(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     (tmp_path / "wrong.yaml").write_text("steps: {overshot: 5}\n")
+    (tmp_path / "latin.yaml").write_bytes(b"# \xe9\n")
     (tmp_path / "controller").write_text("")
     (tmp_path / "roster.csv").write_text("anna\n")
     (tmp_path / "simulated.launch").write_text(SIMULATED)
@@ -105,22 +127,82 @@ def test_version_is_that_of_this_package(
     assert capsys.readouterr().out.startswith(f"{name} of pid_control ")
 
 
+def test_judge_help_lists_options_scenarios_and_statuses(
+    capsys: "pytest.CaptureFixture[str]", monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["judge", "--help"])
+    monkeypatch.setenv("COLUMNS", "1000")
+    with pytest.raises(SystemExit):
+        judge.main()
+    output = capsys.readouterr().out
+    lines = [" ".join(line.split()) for line in output.splitlines()]
+    assert lines[lines.index("scenarios:") :] == [
+        "scenarios:",
+        "held the motor is held; small and large errors of both signs",
+        "rate the motor is held, the clock pauses, and the loop becomes slow",
+        "steps up, further up, down and the other way",
+        "ramp a ramp",
+        "sine a sine of 1 Hz",
+        "windup out of reach on either side, and back",
+        "noise a noisy measurement",
+        "load a load acts on the motor",
+        "slower a motor that is slower and weaker than specified",
+        "faster a motor that is faster and stronger than specified",
+        "missing no output of the motor for 0.2 s",
+        "restart the motor is restarted",
+        "early the controller starts before the motor",
+        "nan NaN as a measurement, and as a set point",
+        "",
+        "exit status: 0 passed, 1 failed, 125 not judged",
+    ]
+    own_type = "and its field, if not those of its package or of the course"
+    parts = {
+        "Judge an unchanged controller of the course's motor, on a private master with a simulated"
+        " clock, or with a real plant.",
+        "PACKAGE NAME a program or launch file in a package, or its path, followed by its"
+        " arguments; with --class, its name in each package, controller.py by default",
+        "--node NAME the controller's node in a launch file",
+        "--launch FILE launch file with the program's parameters; one of its package by default",
+        f"--set-point PACKAGE/TYPE/FIELD type of set_point, {own_type}",
+        f"--motor-output PACKAGE/TYPE/FIELD type of motor_output, {own_type}",
+        f"--motor-input PACKAGE/TYPE/FIELD type of motor_input, {own_type}",
+        "--workspace DIR the controller's built workspace",
+        "--limits FILE YAML file of limits",
+        "--only NAME,… run these scenarios only",
+        "--real-time use the machine's clock, not a simulated one",
+        "--time-limit S time limit [s]; 120 by default",
+        "--picture FILE.svg draw all scenarios in this file",
+        "--csv FILE write all figures to this file",
+        "--class DIR judge each package in a folder, and write class.csv and class.html",
+        "--roster FILE.csv for --class: rows of a folder or archive, and its student",
+        "--output DIR folder for the files of --class; the current one by default",
+        "--real-plant use the motor on the current master, in real time",
+        "--full-speed RAD/S greatest speed of the real plant [rad/s]; 13 by default",
+    }
+    assert {part for part in parts if part not in " ".join(output.split())} == set()
+
+
 def test_judge_rejected_words_of_rostest_and_scenarios_in_their_order() -> None:
     words = ["--gtest_output=xml:a.xml", "x", "__name:=n", "_kp:=1", "__log:=l"]
     assert judging_command._without_rostest(words) == (["x", "_kp:=1"], "a.xml")
     assert judging_command._without_rostest(words[1:]) == (words[1:], None)
+    for text, seconds in (("1", 1.0), ("3600", 3600.0)):
+        assert judging_command._seconds(text) == seconds
+    assert (judge._speed("1e-9"), judge._speed("1e6")) == (1e-9, 1e6)
     names = judging_command.chosen_scenarios("steps,held,steps", ["held", "rate", "steps"])
     assert names == ["held", "steps"]
 
 
 def test_judge_picture_marks_the_failed_scenario_and_own_limits_replace_some(
-    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     """The words of the controller are not this process's."""
     (tmp_path / "own.yaml").write_text("ramp: {tracking_error: 5}\n")
     judged = mock.Mock()
     failure = Failure("ramp", "too much", Cause("gains", "tune them"))
-    judged.return_value = (Judgement("failed", [], [failure]), [Record(BY_NAME["ramp"], "ended")])
+    finding = Finding("ramp", "tracking_error", 2.0, 1.5, False, "mean |error|", "rad/s")
+    judgement = Judgement("failed", [finding], [failure])
+    judged.return_value = (judgement, [Record(BY_NAME["ramp"], "ended")])
     monkeypatch.setattr(judge, "_judge", judged)
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     files = ["--picture", str(tmp_path / "a.svg"), "--limits", str(tmp_path / "own.yaml")]
@@ -129,10 +211,13 @@ def test_judge_picture_marks_the_failed_scenario_and_own_limits_replace_some(
     with pytest.raises(SystemExit) as end:
         judge.main()
     assert end.value.code == 1 and sys.argv == ["judge"]
-    assert 'fill="#b00020">ramp: a ramp' in (tmp_path / "a.svg").read_text()
-    assert "x a:=b,failed,gains," in (tmp_path / "a.csv").read_text()
-    assert 'name="x a:=b"' in (tmp_path / "a.xml").read_text()
-    limits = judged.call_args[0][1]
+    assert (tmp_path / "a.svg").read_text() == as_svg(judged()[1], "x a:=b: failed", ["ramp"])
+    csv = as_csv([("x a:=b", judgement)], SCENARIO_METRICS, "controller")
+    assert (tmp_path / "a.csv").read_text() == csv
+    assert (tmp_path / "a.xml").read_text() == as_junit(judgement, "x a:=b")
+    printed = f"{as_table(judgement)}\n\n{as_sentences(judgement)}\n"
+    assert capsys.readouterr().out == printed
+    limits = judged.call_args_list[0][0][1]
     assert limits["ramp"]["tracking_error"] == 5.0 and limits["steps"]["overshoot"] == 25.0
 
 
@@ -172,7 +257,7 @@ def test_judge_prints_the_notes_of_a_judgement_that_fails(
         judge.main()
     lines = capsys.readouterr().out.splitlines()
     assert end.value.code == 125
-    assert lines[1:] == ["note: its types are used", "not judged: no master"]
+    assert lines == [f"judge: {GOOD}", "note: its types are used", "not judged: no master"]
     exit_on_signals.assert_called_once_with()
 
 
@@ -231,7 +316,8 @@ def test_class_gives_each_judgement_its_options(
     monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     with pytest.raises(SystemExit) as end:
         command.main()
-    _, finder, options, _, time_limit, _ = batch.call_args[0]
+    folder, finder, options, output, time_limit, roster = batch.call_args[0]
     assert (end.value.code, options, time_limit) == (0, given, 60.0)
+    assert (folder, output, roster) == (str(tmp_path), str(tmp_path), {})
     (tmp_path / NAMED[0]).write_text("")
     assert finder.words(str(tmp_path), None)[1:] == NAMED[command is judge :]

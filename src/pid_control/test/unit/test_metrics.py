@@ -104,6 +104,11 @@ def test_late_and_chatter_are_measured() -> None:
     answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(100)]
     record = rows_of(lambda time: 0.0)._replace(answers=answers)
     assert figure(record, "late") == pytest.approx(1.01 / 2.0)
+    # Gaps of more than 25 ms, from the begin to the end of the scenario.
+    some = [(-0.05, 0.0), (0.03, 0.0), (0.054, 0.0)]
+    some += [(0.02 * step, 0.0) for step in range(4, 99)]
+    gapped = record._replace(answers=[*some, (2.1, 0.0)])
+    assert figure(gapped, "late") == pytest.approx((0.026 + 0.03 + 0.04) / 2.0)
     answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(200)]
     record = record._replace(answers=answers)
     assert figure(record, "late") == 0.0
@@ -124,6 +129,8 @@ def test_nan_is_excused_only_just_after_nan_was_sent() -> None:
     scenario = BY_NAME["nan"]
     answers = [(0.5, math.nan), (0.95, math.nan), (1.2, math.inf), (1.3, 0.1), (1.55, math.nan)]
     assert figure(Record(scenario, answers=answers), "not_finite") == 2.0
+    late = [(0.89, math.nan), (0.9, math.nan), (0.99, math.inf), (1.01, -math.inf)]
+    assert figure(Record(scenario, answers=late), "not_finite") == 2.0
 
 
 def test_processor_time_is_that_of_a_second() -> None:
@@ -262,6 +269,7 @@ def test_integral_that_grows_while_the_clock_is_paused_is_found() -> None:
     assert figure(record._replace(pauses=()), "standstill_jump") is None
     # Without an integral, a change of the input is not one of its.
     assert figure(play_one("rate", pi(ki=5e-4)), "standstill_jump") is None
+    assert figure(jumped(record, 0.02, 0.03), "standstill_jump") == pytest.approx(0.03, abs=5e-3)
     # The second pause is twice as long as the first.
     assert figure(jumped(record, 0.2, 0.4), "standstill_jump") == pytest.approx(0.2, abs=0.01)
 

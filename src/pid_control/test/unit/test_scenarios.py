@@ -94,6 +94,10 @@ def test_scenarios_are_as_documented() -> None:
     assert all(BY_NAME[name].set_point == steps(*corners) for name, corners in others.items())
     moves = (0.1, 0.5, 0.9, 1.6, 2.3, 2.6)
     assert BY_NAME["rate"].set_point == steps(*zip(moves, [LITTLE, -LITTLE] * 3))
+    durations = (5.3, 2.9, 4.5, 2.0, 2.2, 9.4, 1.5, 2.0, 2.2, 2.2, 2.0, 2.0, 1.8, 2.4)
+    assert [one.duration for one in BY_NAME.values()] == pytest.approx(durations)
+    assert BY_NAME["early"].set_point == ((0.0, 5.0),)
+    assert BY_NAME["sine"].set_point == sine(5.0, 3.0, 1.0, 0.2, 2.2)
     del changed["held"]["held_speed"]
     assert changed == {
         "held": {"pauses": (5.2,)},
@@ -232,6 +236,7 @@ def test_rate_asks_for_little_of_a_controller_with_large_gains() -> None:
         return max(value for _, value in scaled(BY_NAME["rate"], gain, growth).set_point)
 
     assert error(0.08, 1.5) == pytest.approx(0.3 / (0.08 + 0.7 * 1.5))
-    assert error(0.7, 73.0) < 0.01
+    assert error(0.7, 73.0) == error(-0.7, -73.0) == pytest.approx(0.3 / (0.7 + 0.7 * 73.0))
+    assert (error(0.001, 0.0), error(0.5, 1e6)) == (2.0, 5e-4)
     assert error(0.0, 0.0) == LITTLE
     assert scaled(BY_NAME["steps"], 0.7, 73.0) == BY_NAME["steps"]

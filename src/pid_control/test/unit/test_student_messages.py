@@ -39,9 +39,12 @@ def test_own_set_point_is_followed_by_its_first_float(tmp_path: pathlib.Path, fi
     assert (message.field, message.is_of_course) == (field, False)
     filled = message.filled(1.5, 2.0)
     assert (getattr(filled, field), filled.time, filled.stamp, filled.t) == (1.5, 2.0, 2.0, 2.0)
-    assert any(
-        f"float32 {field}" in note and "float32 setPoint" in note for note in found.command.notes
-    )
+    assert list(found.command.notes) == [
+        "motor_output.msg is empty or missing; the judge's is used",
+        "motor_input.msg is empty or missing; the judge's is used",
+        "set_point is pid_control/set_point with (float64 time, float64 stamp, float64 t, float32"
+        f" {field}), in the course (float32 setPoint, float64 time); the field {field} is used",
+    ]
 
 
 def test_own_messages_have_the_definition_that_the_controller_imports(

@@ -9,7 +9,13 @@ from hypothesis import given, settings
 from pid_control.controller.pid import PID, PidSettings
 from pid_control.identification.response import Model
 from pid_control.judging.controller_judgement import judge
-from pid_control.judging.evidence import ControllerEvidence, Law, adapted, evidence_of
+from pid_control.judging.evidence import (
+    ControllerEvidence,
+    Law,
+    adapted,
+    evidence_of,
+    faultless_figures,
+)
 from pid_control.judging.experiment import MotorOutput
 from pid_control.judging.probes import best_fit
 from pid_control.judging.record import ENDED, Record
@@ -360,6 +366,13 @@ def test_evidence_of_a_law_that_is_no_pi_has_no_gains() -> None:
     for is_output, leap in ((False, 0.0), (True, 0.4955)):  # of the output only
         fit = best_fit(held.answers, is_output)
         assert fit == pytest.approx((0.001, 0.08, 1.5, 0.08, 1.5, 0.0, leap, 1.0), abs=1e-6)
+
+    def inverse_below(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+        return 0.08 * (speed - set_point if set_point < 0.0 else set_point - speed)
+
+    # One topic of two: neither the sign of all errors below 0, nor that of the topic.
+    found = evidence_of([play_one("held", law_of(inverse_below))])
+    assert (found.wrong_above, found.wrong_signs, found.law) == (None, (), None)
     assert evidence_of([play_one("windup", pi(output_min=-3.0, output_max=1.5))]).own_limit is None
 
 
@@ -375,6 +388,26 @@ def test_answers_that_are_late_by_several_turns_are_those_of_their_law() -> None
         fit = best_fit(answers, is_output)
         assert fit is not None and fit.delay == pytest.approx(0.05, abs=0.001)
         assert (fit.gain, fit.growth) == pytest.approx((0.08, 1.5), rel=0.01)
+
+
+def test_law_is_that_of_two_errors_in_proportion() -> None:
+    """A single error of another size may fit by chance."""
+
+    def answer(set_point: float, output: MotorOutput) -> float:
+        error = set_point - output.speed
+        return error * (0.16 if abs(error) < 0.005 else 0.08)
+
+    answers = simulate(BY_NAME["held"], answer, LOOP_S).answers
+    for is_output in (False, True):
+        fit = best_fit(answers, is_output)
+        assert fit == pytest.approx((0.01, 0.08, 0.0, 0.08, 0.0, 0.0, 0.0, 1.0), abs=1e-6)
+
+
+def test_figures_of_a_faultless_law_are_those_of_its_limits_and_period() -> None:
+    law = Law(0.08, 1.5, 0.03, -0.5, 0.5)
+    assert evidence_of([play_one("held", pi())]).law[3:] == (-1.0, 1.0)
+    figures = faultless_figures(law, "steps")
+    assert (figures["peak_input"], figures["late"] > 0.9) == (0.5, True)
 
 
 @pytest.mark.parametrize("topic", ["set_point", "motor_output"])

@@ -113,6 +113,7 @@ def test_judge_invalid_request_names_the_problem(
     output, errors = capsys.readouterr()
     assert end.value.code == 125
     assert says.format(folder=tmp_path) in (output + errors).splitlines()[-1]
+    assert not ("--limits" in words and output)  # nothing is judged by other limits
     assert sorted(tmp_path.iterdir()) == before
 
 

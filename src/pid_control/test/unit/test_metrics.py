@@ -237,17 +237,21 @@ def test_responses_of_an_input_that_switches_are_not_measured() -> None:
 
 @pytest.mark.parametrize("ki", [1.5, 0.05])
 def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not(ki: float) -> None:
-    def make_kicking() -> Law:
-        law, before = pi(ki=ki)(), [0.0]
+    def kicking(least: float) -> Callable[[], Law]:
+        def make() -> Law:
+            law, before = pi(ki=ki)(), [0.0]
 
-        def answer(set_point: float, output: MotorOutput) -> float:
-            error = set_point - output.speed
-            kick, before[0] = 0.2 * (error - before[0]), error
-            return law(set_point, output) + kick
+            def answer(set_point: float, output: MotorOutput) -> float:
+                error = set_point - output.speed
+                kick, before[0] = 0.2 * max(error - before[0], least), error
+                return law(set_point, output) + kick
 
-        return answer
+            return answer
 
-    assert figure(play_one("held", make_kicking), "kick") == pytest.approx(0.2, abs=0.01)
+        return make
+
+    assert figure(play_one("held", kicking(-math.inf)), "kick") == pytest.approx(0.2, abs=0.01)
+    assert figure(play_one("held", kicking(0.0)), "kick") < 0.001  # not at each step
     assert figure(play_one("held", pi(mode=PID, ki=ki, kd=0.001)), "kick") < 0.001
 
 
@@ -271,7 +275,9 @@ def test_integral_that_grows_while_the_clock_is_paused_is_found() -> None:
     assert figure(play_one("rate", pi(ki=5e-4)), "standstill_jump") is None
     assert figure(jumped(record, 0.02, 0.03), "standstill_jump") == pytest.approx(0.03, abs=5e-3)
     # The second pause is twice as long as the first.
-    assert figure(jumped(record, 0.2, 0.4), "standstill_jump") == pytest.approx(0.2, abs=0.01)
+    moved = jumped(record, 0.2, 0.4)
+    assert figure(moved, "standstill_jump") == pytest.approx(0.2, abs=0.01)
+    assert figure(moved, "interval_error") < 0.05  # that is another fault
 
 
 def test_integral_of_the_wrong_sign_that_grows_while_the_clock_is_paused_is_found() -> None:

@@ -30,6 +30,7 @@ def test_node_of_a_real_plant_logs_each_output_with_the_latest_input(
     node.resolve.return_value = "/lab/y"
     monkeypatch.setattr(real_plant, "init_node", lambda name: {"judge": node}[name])
     plant: Any = RealPlant()
+    real_plant._check_graph.assert_called_once_with()
     assert node.mock_calls == [
         mock.call.resolve("motor_output"),
         mock.call.create_publisher("set_point", set_point),
@@ -299,6 +300,16 @@ def test_controller_beside_a_real_plant_ends_between_two_stops(
     plant.connections.side_effect = [{"motor_input": 1}, {"motor_input": 2}]
     runner.run(BY_NAME["steps"]._replace(duration=0.3))
     assert (runner.latest, runner.most_late) == (0.5, 0.1)
+    # One that the machine killed is no failure; nor is one that a shutdown of the node ended.
+    process.status, process.watch.busy.side_effect = -9, None
+    plant.pop_log.side_effect = None
+    for error, shown in ((None, JudgingError), (PlantError("the node was shut down"), PlantError)):
+        calls.clear()
+        plant.connections.side_effect = [{"motor_input": 1}, {"motor_input": 2}]
+        plant.check_node.side_effect = error
+        with pytest.raises(shown, match="killed" if error is None else "shut down"):
+            runner.run(scenario)
+        assert calls == ["stop", "interrupt", "end", "stop"]
 
 
 def test_session_with_a_real_plant_names_the_scenarios_left_out(

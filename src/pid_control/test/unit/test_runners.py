@@ -50,7 +50,15 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     pause = simulated.pause(7.0, mock.Mock(side_effect=[9, 4]))
     assert pause == Pause(7.0, pytest.approx(0.25, abs=0.005), 1.0, 4)
     watch.is_idle.side_effect = itertools.cycle([False, True])
-    longer = simulated.pause(8.0, mock.Mock(side_effect=[5, 1]))
+    counts, counted_at = iter([5, 1]), []
+
+    def count() -> int:
+        counted_at.append(now[0])
+        return next(counts)
+
+    begin = now[0]
+    longer = simulated.pause(8.0, count)
+    assert counted_at == pytest.approx([begin + 0.25, begin + 0.5], abs=0.005)
     half = pytest.approx(0.5, abs=0.01)
     assert longer == Pause(8.0, pytest.approx(2.0 * pause.length, abs=0.005), half, 1)
     # On a busy machine a scenario takes longer, and so does a first pause.
@@ -320,7 +328,7 @@ def test_controller_that_sends_without_a_pause_is_never_idle(
     detector.is_its_own.side_effect = [False, True]
     rig = BenchRig(monkeypatch)
     rig.clock.wait.return_value = False
-    rig.bench.pop_inputs.side_effect = [[], [0.0] * bench_runner._FLOOD, [0.0]]
+    rig.bench.pop_inputs.side_effect = [[], [0.0] * 100, [0.0] * 99]
     assert rig.run().failure == RESTLESS
     assert detector.update.call_args_list == [mock.call(False, True), mock.call(False, False)]
 

@@ -5,13 +5,16 @@ import pathlib
 import subprocess
 import sys
 from typing import Any, Dict
+from unittest import mock
 
 import pytest
+import rospkg
 from std_msgs.msg import Float32, String
 
 from pid_control.msg import motor_output, set_point
 from pid_control.programs.package_messages import MessageTypeError
 from pid_control.programs.program_command import ProgramCommand
+from pid_control.runner import student_messages
 from pid_control.runner.loop_messages import (
     course_messages,
     loop_message,
@@ -81,7 +84,12 @@ def test_empty_set_point_of_the_template_is_that_of_the_course(tmp_path: pathlib
     assert "set_point.msg is empty or missing; the judge's is used" in notes
 
 
-def test_package_of_another_name_has_its_own_types(tmp_path: pathlib.Path) -> None:
+def test_package_of_another_name_has_its_own_types(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    packages = mock.Mock(ResourceNotFound=rospkg.ResourceNotFound)
+    packages.RosPack.return_value.get_path.side_effect = rospkg.ResourceNotFound("pid_control")
+    monkeypatch.setattr(student_messages, "rospkg", packages)
     found = read(tmp_path, "reto", {"set_point": "float32 r\n", "Other": "string text\n"})
     assert found.by_topic["set_point"].message_class._type == "reto/set_point"
     assert found.by_topic["motor_output"].is_of_course
@@ -98,8 +106,12 @@ def test_package_with_an_illegal_name_is_refused(tmp_path: pathlib.Path, name: s
 def test_package_without_messages_or_with_invalid_ones_has_those_of_the_course(
     tmp_path: pathlib.Path,
 ) -> None:
-    assert read(tmp_path / "a", "reto", {}).by_topic == course_messages()
-    found = read(tmp_path / "b", "reto", {"set_point": "no_such_type x y\n"})
+    point = {"set_point": "float32 r\n"}
+    for name, own, definitions in (("a", "reto", {}), ("b", "", point)):
+        found = read(tmp_path / name, own, definitions)
+        assert found == StudentMessages(found.command, {}, course_messages())
+        assert (found.command.name, list(found.command.notes)) == ("x", [])
+    found = read(tmp_path / "c", "reto", {"set_point": "no_such_type x y\n"})
     assert found.by_topic == course_messages()
     assert list(found.command.notes) == ["the messages of reto cannot be generated"]
 

@@ -306,7 +306,9 @@ def test_controller_without_clock_begins_after_a_second(
 def test_silent_controller_fails_with_its_last_words(monkeypatch: "pytest.MonkeyPatch") -> None:
     rig = BenchRig(monkeypatch)
     rig.process.last_words.return_value = "waiting"
+    rig.bench.is_connected.side_effect = [True, False]  # the controller before it
     record = rig.runner.run(BY_NAME["ramp"]._replace(duration=0.6))
+    assert rig.bench.is_connected.call_count == 2
     assert (record.failure, record.words) == (SILENT, "waiting")
 
 
@@ -358,7 +360,7 @@ def test_lateness_of_the_judge_is_that_of_its_worst_scenario(
     command = ProgramCommand("x", ["x"], {}, {}, {})
     runner = BenchRunner(bench, command, {}, True, float("inf"), 0)
     for _ in range(2):
-        runner.run(BY_NAME["ramp"]._replace(duration=0.01))
+        assert not runner.run(BY_NAME["ramp"]._replace(duration=0.01)).is_simulated
     assert runner.latest == 0.5 and next(late, None) is None
     assert runner.most_late == 0.02
 

@@ -3,6 +3,7 @@
 import itertools
 import struct
 import threading
+import time
 from types import SimpleNamespace
 from typing import Any, Iterator, List
 
@@ -175,10 +176,14 @@ def test_invalid_feedback_is_logged_and_ignored(
     bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "fed")
-    server1.feed(Ros1Status.ACTIVE, cut=3)
+    before, began = len(bridge.logged("/odd/arm: feedback to ROS 2")), time.monotonic()
+    for _ in range(20):
+        server1.feed(Ros1Status.ACTIVE, cut=3)
     bridge.wait_for_log("/odd/arm: feedback to ROS 2")
     server1.feed(Ros1Status.ACTIVE)
     wait_until(lambda: client2.feedback["fed"], lambda: "no feedback")
+    lines = len(bridge.logged("/odd/arm: feedback to ROS 2")) - before
+    assert lines <= 2 + time.monotonic() - began, "more than one a second would fill the log"
     server1.end(Ros1Status.ABORTED)
     wait_until(lambda: "fed" in client2.results, lambda: "no result")
 

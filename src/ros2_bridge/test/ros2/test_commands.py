@@ -123,6 +123,8 @@ def test_interface_show_and_list(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setenv("AMENT_PREFIX_PATH", sys.prefix)  # as ci/ros2 does
     listed, prefix = get_resource("rosidl_interfaces", "robot_custom_interfaces")
     assert "msg/RobotStatus.msg" in listed.splitlines()
+    services, _ = get_resource("rosidl_interfaces", "my_robot_package_interfaces")
+    assert "srv/AddTwoInts.srv" in services.splitlines()
     share = get_package_share_directory("robot_custom_interfaces")
     assert share.startswith(prefix)
     with open(f"{share}/msg/RobotStatus.msg", encoding="utf-8") as file:

@@ -38,6 +38,7 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
     [
         ("best", "a list of mappings, each with a topic"),
         ({"/a": 5}, "a list of mappings"),
+        ([{"topic": 5}], "a list of mappings, each with a topic"),
         ([{"topic": "/a", "depth": 0}], "qos of /a, depth: refused 0"),
         ([{"topic": "/a", "depth": True}], "1 to 100000"),
         ([{"topic": "/a", "depth": 100_001}], "1 to 100000"),

@@ -368,7 +368,9 @@ def test_build_adds_the_messages_of_the_course_if_they_are_used(
         listed = text.partition("add_message_files(FILES ")[2].partition(")")[0].split()
         assert listed == ["motor_input.msg", "motor_output.msg", "set_point.msg"]
         assert all((added / "msg" / name).is_file() for name in listed)
-        assert "<name>pid_control</name>" in (added / "package.xml").read_text()
+        text = (added / "package.xml").read_text()
+        assert "<name>pid_control</name>" in text
+        assert re.search(r"<version>\d+\.\d+\.\d+</version>", text), "catkin refuses others"
 
 
 def test_build_folder_called_like_the_messages_of_the_course_has_both(

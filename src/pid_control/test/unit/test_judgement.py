@@ -80,6 +80,7 @@ NO_YAML = "it is not YAML: "
         ("steps: {late: .inf}", f"steps: late: inf {NO_LIMIT}"),
         (f"steps: {{late: {10**400}}}", f"steps: late: 1{'0' * 59} {NO_LIMIT}"),
         ("steps: {late: [1]}", f"steps: late: [1] {NO_LIMIT}"),
+        ("steps: {late: false}", f"steps: late: False {NO_LIMIT}"),
         ("steps: {latte: 1}", "steps: latte: not measured there, but rise_time, late"),
         ("step: {late: 1}", "step: unknown scenario; choose from steps, ramp"),
         ("steps: 5", "steps: must hold limits by name, not 5"),

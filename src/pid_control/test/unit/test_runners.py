@@ -425,7 +425,7 @@ def test_test_bench_asks_the_other_nodes_for_their_types(
     master.getSystemState.return_value = [1, "", [publishers, subscribers, [["/s", ["/c"]]]]]
     monkeypatch.setattr("rospy.get_master", lambda: master)
     monkeypatch.setattr("rospy.get_name", lambda: "/judge")
-    known = {"/a": "http://a", "/b": "http://b"}
+    known = {"/a": "http://a", "/b": "http://b", "/judge": "http://judge"}
 
     def look_up(node: str) -> str:
         if node not in known:
@@ -435,7 +435,7 @@ def test_test_bench_asks_the_other_nodes_for_their_types(
     monkeypatch.setattr("rosgraph.Master", lambda _: mock.Mock(lookupNode=look_up))
     monkeypatch.setattr(test_bench, "ask_types", ask)
     assert bench.types_of_controller() == {"/u": "F"}
-    ask.assert_called_once_with(known)
+    ask.assert_called_once_with({"/a": "http://a", "/b": "http://b"})
     shutdown = mock.Mock()
     monkeypatch.setattr("rospy.signal_shutdown", shutdown)
     bench.close()

@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 import time
-from typing import Any, Iterator, List, Tuple
+from typing import Any, List, Tuple
 from unittest import mock
 
 import pytest
@@ -317,18 +317,6 @@ def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -
     script = "trap 'echo asked' INT; echo begun >&2; sleep 60 & while :; do sleep 0.05; done"
     assert run_bounded(["sh", "-c", script], 0.5, dict(os.environ)) == ("begun\nasked\n", -9)
     assert time.monotonic() - began < 20.0
-
-
-@pytest.fixture
-def typed() -> Iterator[None]:
-    """Let this process have an input, which no program of a student may read."""
-    before, (read, write) = os.dup(0), os.pipe()
-    os.write(write, b"typed\n")
-    os.dup2(read, 0)
-    yield
-    os.dup2(before, 0)
-    for descriptor in (before, read, write):
-        os.close(descriptor)
 
 
 @pytest.mark.usefixtures("typed")

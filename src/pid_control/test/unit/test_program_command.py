@@ -3,7 +3,7 @@
 import os
 import pathlib
 import sys
-from typing import Dict, Iterator, List, Optional
+from typing import Dict, List, Optional
 
 import pytest
 from roslaunch import substitution_args
@@ -120,18 +120,6 @@ def test_interrupt_lets_a_program_end_by_itself() -> None:
         assert controller.status == 3
     finally:
         controller.end()
-
-
-@pytest.fixture
-def typed() -> Iterator[None]:
-    """Let this process have an input, which no program of a student may read."""
-    before, (read, write) = os.dup(0), os.pipe()
-    os.write(write, b"typed\n")
-    os.dup2(read, 0)
-    yield
-    os.dup2(before, 0)
-    for descriptor in (before, read, write):
-        os.close(descriptor)
 
 
 @pytest.mark.usefixtures("typed")

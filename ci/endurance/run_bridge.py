@@ -46,7 +46,7 @@ BACK_WITHIN = 10.0
 ON_THE_WAY = 0.5
 #: Most images that may be lost, of 6.2 MB at 30 Hz [%].
 IMAGES_LOST = 1.0
-#: Limits of Linux's receive buffers [bytes], which decide how many images are lost: see
+#: Sizes of Linux's receive buffers [bytes], which decide how many images are lost: see
 #: docs/ros2_bridge.md.
 BUFFERS = [pathlib.Path("/proc/sys/net/core", name) for name in ("rmem_max", "rmem_default")]
 #: Growth of the bridge's memory with images, as some wait at times [%].
@@ -117,9 +117,9 @@ def send_images(soak: Soak, way: str, pid: int) -> List[Check]:
     sent, received = map(record.read, files)
     due = {one.value for one in sent if since <= one.moment <= until}
     lost = due - {one.value for one in received}
-    buffers = " and ".join(file.read_text().strip() for file in BUFFERS)
+    buffers = ", ".join(f"{file.name} {file.read_text().strip()}" for file in BUFFERS)
     return [
-        reported(f"{way}: images", f"{len(due)}, with receive buffers of at most {buffers} bytes"),
+        reported(f"{way}: images", f"{len(due)}, with {buffers} bytes"),
         at_most("lost", 100.0 * len(lost) / len(due), IMAGES_LOST, "%"),
         *not_grown("the bridge", sampler.samples["bridge"], IMAGES_GROWTH, min),
     ]

@@ -378,10 +378,19 @@ def test_topic_whose_definition_the_new_sketch_changes_is_opened_again(
 
 def test_all_topics_are_told_that_the_board_is_synced_or_lost(left: Left) -> None:
     left.announce(TOPIC, TOPIC._replace(name="other"))
-    left.handle(Synced())
     left.handle(Restarted("the cable is out"))
+    left.announce(TOPIC, TOPIC._replace(name="other"))
+    left.handle(Synced())
     topic = left.create.return_value
     assert (topic.on_sync.call_count, topic.on_lost.call_count) == (2, 2)
+
+
+def test_topic_that_is_open_before_the_board_is_synced_alone_is_told(left: Left) -> None:
+    first, second = left.create.side_effect = [mock.Mock(), mock.Mock()]
+    left.announce(TOPIC, is_complete=False)  # a message may have been lost since
+    left.announce(TOPIC, TOPIC._replace(name="other"))
+    left.handle(Synced())
+    assert (first.on_sync.call_count, second.on_sync.call_count) == (1, 0)
 
 
 def test_topic_of_another_type_and_name_stays_open_until_all_are_announced(left: Left) -> None:

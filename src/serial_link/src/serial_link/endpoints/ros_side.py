@@ -3,7 +3,7 @@
 import threading
 import time
 import traceback
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 import rospy
 
@@ -78,6 +78,8 @@ class RosSide:
         #: until the board has announced all.
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
+        #: Those that the last announcement opened, so that they receive what is latched anyway.
+        self._just_opened: Set[_Key] = set()
         #: Whether the board has announced topics since its start, and thereby its buffer size; and
         #: the last parameter request before.
         self._is_known = False
@@ -130,8 +132,8 @@ class RosSide:
             for _, endpoint_in_ros in self._open.values():
                 endpoint_in_ros.on_lost(arrival.why)
         elif isinstance(arrival, Synced):
-            for _, endpoint_in_ros in self._open.values():
-                endpoint_in_ros.on_sync()
+            for key in self._open.keys() - self._just_opened:
+                self._open[key][1].on_sync()
         if time.monotonic() > self._retry_at and not self._wanted.keys() <= self._open.keys():
             self._retry_at = time.monotonic() + _RETRY_S
             for key, endpoint in list(self._wanted.items()):
@@ -171,6 +173,7 @@ class RosSide:
         self._wanted = _keyed(endpoints)
         for key in before - self._wanted.keys():
             self._close(key)
+        self._just_opened = self._wanted.keys() - self._open.keys()
         for key, endpoint in list(self._wanted.items()):
             self._opened(key, endpoint)
 

@@ -16,7 +16,8 @@ class FakeLink:
     port_name, trouble = "/dev/board", ""
 
     def __init__(self) -> None:
-        self.figures = {"received": 5, "sent": 2, "openings": 1, "malformed": 0}
+        usual = {"received": 5, "received bytes": 60, "sent": 2, "sent bytes": 20}
+        self.figures = {**usual, "openings": 1, "asked": 3, "malformed": 0}
 
     def all_counters(self) -> Dict[str, int]:
         return dict(self.figures)
@@ -37,8 +38,9 @@ def test_new_faults_are_a_warning_once_and_are_logged_at_most_every_10_s(
     first = status()
     assert (first.level, first.message) == (DiagnosticStatus.OK, "synchronized")
     assert (first.name, first.hardware_id) == ("serial_node: left", "/dev/board")
-    values = [(value.key, value.value) for value in first.values]
-    assert values == [("malformed", "0"), ("openings", "1"), ("received", "5"), ("sent", "2")]
+    values = {value.key: value.value for value in first.values}
+    assert values == {name: str(count) for name, count in link.figures.items()}
+    assert list(values) == sorted(values)
     for now in range(1, 12):
         link.figures["malformed"] = now
         assert (status().level, status().level) == (DiagnosticStatus.WARN, DiagnosticStatus.OK)

@@ -16,7 +16,7 @@ from header_command import LIBRARIES, command
 import roslib.message
 from hypothesis import example, given
 from hypothesis import strategies as st
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Float64MultiArray, UInt16MultiArray
 
 from nodekit.message_definitions import (
     SIZES,
@@ -282,6 +282,13 @@ def test_headers_and_genpy_decode_equally(board: Board) -> None:
         assert answer.was_read_whole == "1", name
         assert answer.content == encoded(message).hex(), name
         assert answer.shown == leaves(message), name
+
+
+def test_array_of_more_than_255_elements_arrives_whole(board: Board) -> None:
+    which = [name for name, _ in board.known].index("std_msgs::UInt16MultiArray")
+    message = UInt16MultiArray(data=list(range(1000)))
+    (answer,) = board.answers([(which, encoded(message))])
+    assert (answer.content, answer.shown) == (encoded(message).hex(), leaves(message))
 
 
 @example([1.0 + 3.0 * 2.0**-24, 3.4028235677973366e38])  # in the middle of two

@@ -88,6 +88,12 @@ def test_board_that_was_reset_gets_its_slot_when_its_old_connection_is_silent() 
     assert connect(slots, A, SAME_BOARD_S) == "left"
 
 
+def test_board_that_only_requests_the_time_keeps_its_slot() -> None:
+    slots = parse_slots("")
+    connect(slots, A)
+    assert connect(slots, A, 2.5 + 0.4) is None  # its period, and a request that comes late
+
+
 def test_board_that_was_reset_before_its_first_frame_waits_no_longer() -> None:
     slots = parse_slots("")
     connect(slots, A, is_board=False)

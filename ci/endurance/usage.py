@@ -2,7 +2,7 @@
 
 import contextlib
 import threading
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 
@@ -10,15 +10,20 @@ from ..benchmark.cost import Usage, usage
 from .checks import Check, at_most, reported
 
 
-def growth(values: Sequence[float], typical: Any = np.median, parts: int = 10) -> float:
-    """Return the growth of a series from its first to its last part [%].
+def ends(values: Sequence[float], typical: Any = np.median, parts: int = 10) -> Tuple[float, float]:
+    """Return the typical values of the first and of the last part of a series.
 
     :param typical: value of a part; the median ignores temporary peaks
     :param parts: number of parts
     """
     length = max(1, len(values) // parts)
-    before, after = typical(values[:length]), typical(values[-length:])
-    return round(float(100.0 * (after / before - 1.0)), 2)
+    return float(typical(values[:length])), float(typical(values[-length:]))
+
+
+def growth(values: Sequence[float], typical: Any = np.median, parts: int = 10) -> float:
+    """Return the growth of a series between its :func:`ends` [%]."""
+    before, after = ends(values, typical, parts)
+    return round(100.0 * (after / before - 1.0), 2)
 
 
 def added(values: Sequence[int]) -> int:
@@ -34,12 +39,12 @@ def not_grown(
 
     :param seen: its usage over time
     :param limit: of the memory's growth [%]
-    :param typical: value of a part of the time, see :func:`growth`
+    :param typical: value of a part of the time, see :func:`ends`
     """
     memory, threads, descriptors = zip(*seen)
-    first, last = memory[0] / 1024.0, memory[-1] / 1024.0
+    before, after = (kilobytes / 1024.0 for kilobytes in ends(memory, typical))
     return [
-        reported("memory of " + name, f"{first:.1f} MB, then {last:.1f} MB"),
+        reported("memory of " + name, f"{before:.1f} MB, then {after:.1f} MB"),
         at_most("its growth", growth(memory, typical), limit, "%"),
         at_most("its new threads", added(threads), 0),
         at_most("its new descriptors", added(descriptors), 0),

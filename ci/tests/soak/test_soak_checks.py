@@ -11,7 +11,7 @@ from ci.benchmark.cost import Usage, usage
 from ci.benchmark.report import write_json
 from ci.endurance import checks
 from ci.endurance.run_record import size_of
-from ci.endurance.usage import Sampler, added, growth
+from ci.endurance.usage import Sampler, added, growth, not_grown
 
 
 def test_bounds_are_inclusive() -> None:
@@ -49,6 +49,13 @@ def test_growth_compares_the_ends() -> None:
     assert growth([100.0] * 50 + [101.0] * 50) == pytest.approx(1.0)
     assert growth([100.0] * 50 + [900.0] + [100.0] * 49) == 0.0
     assert growth([100.0, 98.0]) == pytest.approx(-2.0)
+
+
+def test_shown_memory_is_that_whose_growth_is_checked() -> None:
+    memory = [900 * 1024] + [100 * 1024] * 19 + [101 * 1024] * 18 + [900 * 1024] * 2
+    seen = [Usage(kilobytes, 8, 9) for kilobytes in memory]
+    shown, grown = not_grown("the node", seen, 1.0, min)[:2]
+    assert (shown.figure, grown.figure) == ("100.0 MB, then 101.0 MB", "1 %")
 
 
 def test_added_threads_are_those_that_stay() -> None:

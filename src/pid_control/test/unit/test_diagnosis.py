@@ -1,7 +1,7 @@
 """Tests of the causes that the judge names: laws with known faults, and correct laws."""
 
 import math
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, List
 
 import pytest
 from hypothesis import given, settings
@@ -236,6 +236,40 @@ def test_judge_a_fault_is_named_as_a_fact_and_no_other(
     expected, found = FAULTLESS._replace(**evidence), evidence_of(records)
     assert found._replace(law=None) == expected._replace(law=None)
     assert found.law == (expected.law and pytest.approx(expected.law, rel=1e-3, abs=1e-9))
+
+
+def waiting(seconds: float) -> Callable[[], Answers]:
+    """Return a correct law that sends 0 for some time."""
+
+    def make() -> Answers:
+        law, began = pi()(), None
+
+        def answer(set_point: float, output: MotorOutput) -> float:
+            nonlocal began
+            began = output.time if began is None else began
+            return 0.0 if output.time - began < seconds else law(set_point, output)
+
+        return answer
+
+    return make
+
+
+@pytest.mark.parametrize("seconds", [2.0, 5.0, 6.0])
+def test_judge_late_start_is_not_taken_for_a_lost_set_point(seconds: float) -> None:
+    judgement = judged(waiting(seconds))
+    (cause,) = causes(judgement)
+    assert cause.flaw == "late start"
+    assert (
+        f"is constant for the first {seconds:.0f} s or so of a run: one of: the" in cause.sentence
+    )
+
+
+@pytest.mark.parametrize("names", [["held"], ["held", "steps"]])
+def test_judge_late_start_is_not_known_from_a_motor_that_is_held(names: List[str]) -> None:
+    records = [play_one(name, waiting(5.0)) for name in names]
+    evidence = evidence_of(records)
+    assert (evidence.starts_at, evidence.ignores) == (None, ())
+    assert not {"deaf", "late start"} & set(judge(records, LIMITS).flaws())
 
 
 @pytest.mark.extended

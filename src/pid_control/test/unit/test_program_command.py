@@ -369,6 +369,29 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
     assert command.package == str(tmp_path)
 
 
+@pytest.mark.parametrize("is_program", [True, False])
+def test_find_controller_in_a_namespace_is_connected_to_the_topics_of_the_judge(
+    is_program: bool, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    launch = """<launch><group ns="left"><node pkg="anna" type="controller.py" name="mine">
+      <remap from="feedback" to="motor_output"/>
+      <remap from="set_point" to="wanted"/>
+      <remap from="debug" to="/debug"/>
+    </node></group></launch>"""
+    program = package_with_launch_file(tmp_path, launch)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path), prepend=os.pathsep)
+    command = find_controller([str(program if is_program else tmp_path / "launch" / "loop.launch")])
+    assert command.environment["ROS_NAMESPACE"].strip("/") == "left"
+    assert {word for word in command.argv if ":=" in word} == {
+        "__name:=mine",
+        "feedback:=/motor_output",
+        "set_point:=wanted",
+        "debug:=/debug",
+        "/left/motor_input:=/motor_input",
+        "/left/motor_output:=/motor_output",
+    }
+
+
 @pytest.mark.parametrize(
     "words, options, says",
     [

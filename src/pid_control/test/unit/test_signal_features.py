@@ -78,6 +78,19 @@ def test_process_features_output_before_the_first_message_does_not_count() -> No
     assert found.lowest > -1.1 and found.distortion < 0.1
 
 
+@pytest.mark.parametrize("law", [math.sin, lambda x: abs(math.sin(x))])
+def test_process_features_constant_output_until_a_buffer_is_full_is_no_distortion(
+    law: Callable[[float], float],
+) -> None:
+    found = processed(lambda x: -2.0 if x < 4.0 else law(x - 4.0))
+    assert found.distortion < 0.05 and found.gain == pytest.approx(1.0 / 3.0, rel=0.05)
+    assert found.shift_error(-4.0) < 0.05 and found.lowest > -1.1
+    late = processed(lambda x: -2.0 if x < 18.0 else law(x - 4.0))  # less than a period is left
+    assert late.distortion > 0.1
+    other = processed(lambda x: -2.0 if x < 4.0 else law(x) + law(2.0 * x))
+    assert other.distortion > 0.1 and other.lowest == -2.0
+
+
 @given(st.floats(0.1, 2.0), st.floats(-1.4, 1.4), st.sampled_from([0.0, 2.0]))
 def test_process_features_rectified_sine_is_recognised(
     gain: float, shift: float, offset: float

@@ -39,6 +39,7 @@ FLAWS = (
     "restless",
     "too slow",
     "too seldom",
+    "late start",
     "no answer",
     "stale",
     "deaf",
@@ -157,6 +158,12 @@ def _law_cause(metric: str, figures: Figures, evidence: ControllerEvidence) -> O
     """Return a fault of the control law itself, which explains all other faults."""
     if metric not in (*_RESPONSES, *_CLOSED_LOOP):
         return None
+    if evidence.starts_at is not None:
+        return Cause(
+            "late start",
+            f"the input is constant for the first {evidence.starts_at:.0f} s or so of a run: one"
+            " of: the controller waits, although it sends already, or its answers are that late",
+        )
     if len(evidence.ignores) > 1:
         return _NO_ANSWER
     if evidence.ignores:

@@ -6,7 +6,7 @@ from statistics import median
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.metrics import growths, leave_times, metrics_of
-from pid_control.judging.probes import ProbeFit, best_fit, is_constant
+from pid_control.judging.probes import ProbeFit, best_fit, first_change, is_ignored
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, RATE_PARTS, STAYS, Scenario, scaled
 from pid_control.judging.simulation import pi_law, simulate
@@ -21,6 +21,9 @@ _GROWN = 0.3
 _FLAT_S, _MOTORS = 0.2, 1.05
 #: Smallest relative change of a growth that counts [1].
 _CHANGED = 0.25
+#: Shortest time without a change that counts as a late start, and its largest difference between
+#: runs [s].
+_LATE_S, _SAME_S = 1.0, 0.5
 #: Settling time and overshoot of a law that suits the motor [s, %].
 _SETTLED_S, _OVERSHOT = 0.8, 25.0
 
@@ -47,6 +50,8 @@ class ControllerEvidence(NamedTuple):
 
     :ivar was_measured: True if there is a complete record
     :ivar was_probed: True if small errors were tried
+    :ivar starts_at: time of the input's first change, if that is late in each run, whatever the
+        error [s]
     :ivar ignores: topics on which the input does not depend
     :ivar law: the PI law; None if its answers do not fit one, or it has a derivative
     :ivar wrong_signs: topics to which the input answers the wrong way for errors of both signs
@@ -62,6 +67,7 @@ class ControllerEvidence(NamedTuple):
 
     was_measured: bool = False
     was_probed: bool = False
+    starts_at: Optional[float] = None
     ignores: Tuple[str, ...] = ()
     law: Optional[Law] = None
     wrong_signs: Tuple[str, ...] = ()
@@ -82,7 +88,9 @@ def evidence_of(records: Sequence[Record]) -> ControllerEvidence:
     """
     by_name = {record.scenario.name: record for record in records if not record.failure}
     beyond = _sides_beyond(list(by_name.values()))
-    evidence = ControllerEvidence(was_measured=bool(by_name), beyond=beyond)
+    evidence = ControllerEvidence(
+        was_measured=bool(by_name), beyond=beyond, starts_at=_late_start(list(by_name.values()))
+    )
     if "held" in by_name:
         evidence = _with_probes(evidence, by_name["held"])
     if "rate" in by_name:
@@ -118,6 +126,18 @@ def _figures(law: Law, scenario: str) -> Tuple[Tuple[str, Optional[float]], ...]
     return tuple(metrics_of(simulate(BY_NAME[scenario], played, law.period)).items())
 
 
+def _late_start(records: Sequence[Record]) -> Optional[float]:
+    """Return when the input first changes [s], if late, and at the same time in each run.
+
+    Only a closed loop's error lasts until the controller answers, so one must be among the runs.
+    """
+    changes = {record.scenario.name: first_change(record.answers) for record in records}
+    runs = [record.scenario for record in records if changes[record.scenario.name] < math.inf]
+    begin, end = (pick((changes[run.name] for run in runs), default=0.0) for pick in (min, max))
+    is_late = begin >= _LATE_S and end - begin <= _SAME_S
+    return begin if is_late and any(run.held_speed is None for run in runs) else None
+
+
 def _sides_beyond(records: Sequence[Record]) -> Tuple[str, ...]:
     values = [value for record in records for _, value in record.answers if math.isfinite(value)]
     sides = {"above": max(values, default=0.0), "below": -min(values, default=0.0)}
@@ -127,7 +147,7 @@ def _sides_beyond(records: Sequence[Record]) -> Tuple[str, ...]:
 def _with_probes(evidence: ControllerEvidence, record: Record) -> ControllerEvidence:
     topics = {"set_point": False, "motor_output": True}
     ignores = tuple(
-        topic for topic, is_output in topics.items() if is_constant(record.answers, is_output)
+        topic for topic, is_output in topics.items() if is_ignored(record.answers, is_output)
     )
     fits = {topic: best_fit(record.answers, is_output) for topic, is_output in topics.items()}
     known = [fit for fit in fits.values() if fit is not None]

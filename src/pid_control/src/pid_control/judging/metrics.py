@@ -4,7 +4,7 @@ import math
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.line_fit import Line, fit_line
-from pid_control.judging.probes import best_fit, is_constant
+from pid_control.judging.probes import best_fit, is_ignored
 from pid_control.judging.record import Record, Row
 from pid_control.judging.scenarios import RATE_PARTS, SLOW_STEP_S, STAYS
 
@@ -211,7 +211,7 @@ def _response(record: Record, is_output: bool) -> Optional[float]:
 
     None if no linear law explains the response, as for an input in steps, or always at its limit.
     """
-    if is_constant(record.answers, is_output):
+    if is_ignored(record.answers, is_output):
         # At a limit, even a controller that depends on the error gives the same answer.
         return None if _is_always_limited(record) else 0.0
     fit = best_fit(record.answers, is_output)

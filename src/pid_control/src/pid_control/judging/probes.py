@@ -1,5 +1,6 @@
 """Test errors for a controller while the motor is held, and the law fitted to its answers."""
 
+import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -84,12 +85,26 @@ def begin_of(index: int, is_output: bool) -> float:
 END_AT = begin_of(len(AMPLITUDES), False)
 
 
-def is_constant(answers: Answers, is_output: bool) -> bool:
-    """Return True if the input is the same in all probes of a topic.
+def first_change(answers: Answers) -> float:
+    """Return the time of the first input that differs from the one at the start [s]; inf without.
+
+    :param answers: time [s] and input of each answer
+    """
+    start = answers[0][1] if answers else 0.0
+    return next((time for time, value in answers if abs(value - start) > _NO_CHANGE), math.inf)
+
+
+def is_ignored(answers: Answers, is_output: bool) -> bool:
+    """Return True if the input is the same in all probes of a topic, although it changes in others.
+
+    It is True also if the input never changes. An input that first changes after the topic's last
+    probe may be that of a controller that starts late.
 
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
     """
+    if begin_of(len(AMPLITUDES) - 1, is_output) < first_change(answers) < math.inf:
+        return False
     for index in range(len(AMPLITUDES)):
         begin = begin_of(index, is_output)
         values = [value for time, value in answers if begin <= time < begin + PROBE_S]

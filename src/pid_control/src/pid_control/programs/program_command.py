@@ -11,6 +11,7 @@ import roslaunch.config
 import roslaunch.substitution_args
 import roslaunch.xmlloader
 import rospkg
+from rosgraph.names import ns_join
 from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
 
@@ -18,6 +19,8 @@ from pid_control.programs.python_program import start_words
 
 #: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
+#: Topics of the loop.
+_TOPICS = ("motor_input", "motor_output", "set_point")
 #: Smallest similarity of a suggested name, from 0 to 1.
 _NEAR = 0.75
 
@@ -111,6 +114,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
             continue
         node = nodes[0]
         parameters, of_others = _split_parameters(config, node)
+        _connect_to_judge(node)
         names = [f"__name:={node.name}", *(f"{old}:={new}" for old, new in node.remap_args)]
         return command._replace(
             argv=[*command.argv, *arguments, *names],
@@ -296,6 +300,7 @@ def _command_of_launch_file(
     try:
         config = load_launch_file(path, arguments)
         node = _choose(config.nodes, wanted, path)
+        _connect_to_judge(node)
         command = create_local_process_args(node, local_machine(), environment)
         variables = setup_env(node, local_machine(), "", environment)
     except CommandError:
@@ -309,6 +314,16 @@ def _command_of_launch_file(
     parameters, of_others = _split_parameters(config, node)
     name, command = f"{path} {_name(node)}", [*start, *command[1:]]
     return ProgramCommand(name, command, variables, parameters, of_others, notes)
+
+
+def _connect_to_judge(node: Node) -> None:
+    """Remap the topics of the loop in a node's namespace to those of the judge, which has none."""
+    own = {ns_join(node.namespace, topic): "/" + topic for topic in _TOPICS}
+    if node.namespace == "/":
+        return
+    pairs = [(old, own.get(ns_join(node.namespace, new), new)) for old, new in node.remap_args]
+    kept = {ns_join(node.namespace, old) for old, _ in pairs}
+    node.remap_args = [*pairs, *(pair for pair in own.items() if pair[0] not in kept)]
 
 
 def _name(node: Node) -> str:

@@ -82,7 +82,9 @@ def process_features(
     """Return the features of a process node's output; None if it is constant.
 
     A loop answers with its last received value, at any time before the next message. So each output
-    is compared with the input at the arrival of that message, not at its own time.
+    is compared with the input at the arrival of that message, not at its own time. A node that
+    delays the signal is constant until its buffer is full: without a shape that fits, what is
+    constant at first does not count if a period or more is left.
 
     :param output: the output
     :param arrivals: times of arrival of the inputs [s]
@@ -96,6 +98,8 @@ def process_features(
         return None
     values = [finite.values[index] for index in known]
     times = [latest[index] for index in known]
+    first = _first_full(times, values, sine.frequency)
+    times, values, known = times[first:], values[first:], known[first:]
     shape, fit = _shape(times, values, sine.frequency)
     if fit is None:
         return None
@@ -136,6 +140,17 @@ def is_sine_like(output: Channel, frequency: float, begin: float, end: float) ->
 def _latest(arrivals: Sequence[float], time: float, bisect_of: object) -> float:
     index = bisect_of(arrivals, time)  # type: ignore[operator]
     return arrivals[index - 1] if index > 0 else -math.inf
+
+
+def _first_full(times: Sequence[float], values: Sequence[float], frequency: float) -> int:
+    """Return the index of the first value from a full buffer; 0 if no such start is seen."""
+    fit = _shape(times, values, frequency)[1]
+    if fit is None or fit.distortion <= _SURE:
+        return 0
+    first = next((index for index, value in enumerate(values) if value != values[0]), 0)
+    rest = _shape(times[first:], values[first:], frequency)[1]
+    is_whole = times[-1] - times[first] >= 2.0 * math.pi / frequency
+    return first if is_whole and rest is not None and rest.distortion <= _SURE else 0
 
 
 def _shape(

@@ -22,6 +22,18 @@ class JudgeFaults(JudgeCase):
         words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
         self.assert_judged(1, "failed: sign", "--only", "held", *words)
 
+    def test_judge_package_in_a_namespace_with_other_types_is_connected(self) -> None:
+        self.make_package("anna", "float32_topics.py")
+        package = self.folder / "class" / "anna"
+        (package / "loop.launch").write_text(
+            '<launch><node ns="left" pkg="anna" type="controller.py" name="mine"/></launch>'
+        )
+        words = ["--only", "held", package / "scripts" / "controller.py"]
+        report = self.assert_judged(0, "passed: all", *words)
+        self.assertIn("its parameters and names for /left/mine are used", report)
+        self.assertIn("motor_input is std_msgs/Float32", report)
+        self.assertNotIn("[WARN]", report)
+
     def test_batch_with_broken_packages_writes_one_csv_and_one_page(self) -> None:
         """One of them has the name of the judge's own."""
         self.make_package("pid_control", "flaw_windup.py")

@@ -1,6 +1,7 @@
 """Test bench of a controller: motor, set point and clock in one node."""
 
 import contextlib
+import logging
 import threading
 import xmlrpc.client
 from typing import Any, Dict, List, Optional, Tuple
@@ -54,6 +55,8 @@ class TestBench:
 
     def __init__(self, messages: Optional[Dict[str, LoopMessage]] = None) -> None:
         self.node = init_node(NAME)
+        # The report names other types, and a controller that ends.
+        logging.getLogger("rosout").setLevel(logging.ERROR)
         self.messages = messages or course_messages()
         self._lock = threading.Lock()
         self._inputs: List[float] = []

@@ -238,6 +238,21 @@ def test_judge_a_fault_is_named_as_a_fact_and_no_other(
     assert found.law == (expected.law and pytest.approx(expected.law, rel=1e-3, abs=1e-9))
 
 
+def test_judge_constant_input_of_p_alone_is_no_limit() -> None:
+    found = causes(judged(student(kp=0.2, ki=0.0, limit=math.inf)))
+    assert {cause.flaw for cause in found} >= {"no clamp", "no integral"}
+    assert ("no clamp", "the input is not limited: keep it within -1 and 1") in found
+
+
+def test_judge_output_is_not_ignored_by_a_law_that_is_limited_while_the_set_point_is_0() -> None:
+    def step(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+        return max(0.03, min(1.0, 0.2 * (abs(set_point) - abs(speed))))
+
+    records = play_all(law_of(step), LOOP_S)
+    assert evidence_of(records).ignores == ()
+    assert "stale" not in judge(records, LIMITS).flaws()
+
+
 def waiting(seconds: float) -> Callable[[], Answers]:
     """Return a correct law that sends 0 for some time."""
 

@@ -1,6 +1,7 @@
 """Tests of the metrics of controllers with known answers."""
 
 import math
+import random
 from typing import Callable, Optional
 
 import pytest
@@ -233,6 +234,18 @@ def test_responses_of_an_input_that_switches_are_not_measured() -> None:
     record = play_one("held", make_switch)
     assert figure(record, "set_point_response") is None
     assert figure(record, "output_response") is None
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("ki", [0.0, 3.5])
+def test_delay_that_is_uncertain_as_answers_are_lost_is_no_kick(seed: int, ki: float) -> None:
+    draw, record = random.Random(seed), play_one("held", pi(kp=1.5, ki=ki))
+    left = [
+        (time, value + draw.gauss(0.0, 1e-7))
+        for time, value in record.answers
+        if draw.random() > 0.1
+    ]
+    assert figure(record._replace(answers=left), "kick") < 0.01
 
 
 @pytest.mark.parametrize("ki", [1.5, 0.05])

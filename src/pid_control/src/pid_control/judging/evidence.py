@@ -19,6 +19,8 @@ _NONE, _LEAP = 1e-3, 0.2
 _GROWN = 0.3
 #: Time in which a limited input is constant [s], and the largest limit that may be the motor's.
 _FLAT_S, _MOTORS = 0.2, 1.05
+#: Share of a limit above which a value is beyond it.
+_BEYOND = 1.01
 #: Smallest relative change of a growth that counts [1].
 _CHANGED = 0.25
 #: Shortest time without a change that counts as a late start, and its largest difference between
@@ -215,6 +217,8 @@ def _with_limits(evidence: ControllerEvidence, record: Record) -> ControllerEvid
     if min(ends) < _MOTORS or not _are_equal(ends):
         return evidence
     limit = ends[0]
+    if max(abs(value) for _, value in record.answers if math.isfinite(value)) > _BEYOND * limit:
+        return evidence  # as of P alone: it is constant because the error is
     is_scaled = law is not None and _suits(_divided(law, limit)) and not _suits(law)
     return evidence._replace(own_limit=limit, is_in_other_units=is_scaled)
 

@@ -97,20 +97,27 @@ def first_change(answers: Answers) -> float:
 def is_ignored(answers: Answers, is_output: bool) -> bool:
     """Return True if the input is the same in all probes of a topic, although it changes in others.
 
-    It is True also if the input never changes. An input that first changes after the topic's last
-    probe may be that of a controller that starts late.
+    It is True also if the input never changes. It is False if the input first changes after the
+    topic's last probe, as that of a controller that starts late, or is as large or small in them as
+    anywhere: it may be at a limit.
 
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
     """
-    if begin_of(len(AMPLITUDES) - 1, is_output) < first_change(answers) < math.inf:
+    begins = [begin_of(index, is_output) for index in range(len(AMPLITUDES))]
+    probes = [
+        [value for time, value in answers if begin <= time < begin + PROBE_S] for begin in begins
+    ]
+    if not all(probe and max(probe) - min(probe) <= _NO_CHANGE for probe in probes):
         return False
-    for index in range(len(AMPLITUDES)):
-        begin = begin_of(index, is_output)
-        values = [value for time, value in answers if begin <= time < begin + PROBE_S]
-        if not values or max(values) - min(values) > _NO_CHANGE:
-            return False
-    return True
+    first = first_change(answers)
+    if first == math.inf:
+        return True
+    least, largest = (pick(value for _, value in answers) for pick in (min, max))
+    is_between = all(
+        least + _NO_CHANGE < value < largest - _NO_CHANGE for probe in probes for value in probe
+    )
+    return first < begins[-1] and is_between
 
 
 def best_fit(answers: Answers, is_output: bool) -> Optional[ProbeFit]:
@@ -153,13 +160,12 @@ def _fit_of(answers: Answers, amplitude: float) -> Optional[ProbeFit]:
     period = float(np.median(np.diff(times)))
     errors = amplitude * np.array([_sign(time) for time in times])
     is_kept = np.array([_is_late_in_part(time) for time in times])
-    intervals = np.diff(times, prepend=times[0])
     lags = range(int(_LONGEST_DELAY_S / max(period, _LEAST_PERIOD_S)) + 1)
     for is_one_sided in (False, True):
         fits = []
         for lag in lags:
             seen = np.concatenate([np.zeros(lag), errors[: len(errors) - lag]])
-            fit = _fit(times, values, seen, intervals, is_kept, amplitude, is_one_sided)
+            fit = _fit(times, values, seen, errors, is_kept, amplitude, is_one_sided)
             fits.append(fit._replace(delay=lag * period))
         best = max(fits, key=lambda fit: fit.explained)
         if best.explained >= _EXPLAINED:
@@ -180,29 +186,32 @@ def _fit(
     times: np.ndarray,
     values: np.ndarray,
     seen: np.ndarray,
-    intervals: np.ndarray,
+    errors: np.ndarray,
     is_kept: np.ndarray,
     amplitude: float,
     is_one_sided: bool,
 ) -> ProbeFit:
-    sides = [np.maximum(seen, 0.0), np.minimum(seen, 0.0)] if is_one_sided else [seen]
-    columns = [np.ones(len(seen)), *sides, *(np.cumsum(side * intervals) for side in sides)]
-    matrix = np.stack(columns, axis=1)
+    intervals = np.diff(times, prepend=times[0])
+    matrix = _columns(seen, intervals, is_one_sided)
     kept = values[is_kept]
     solution = np.linalg.lstsq(matrix[is_kept], kept, rcond=None)[0]
-    rest = values - matrix @ solution
+    residual = kept - matrix[is_kept] @ solution
     total = float(((kept - kept.mean()) ** 2).sum())
-    explained = 1.0 - float((rest[is_kept] ** 2).sum()) / total if total > 0.0 else 0.0
-    count = len(sides)
+    explained = 1.0 - float((residual**2).sum()) / total if total > 0.0 else 0.0
+    count = 1 + is_one_sided
     gains, growths = solution[1 : 1 + count], solution[1 + count :]
     period = float(np.median(intervals))
+    # Without the delay: an answer that comes earlier than others is no jump beyond the law.
+    rest = values - _columns(errors, intervals, is_one_sided) @ solution
     leaps = [
         float(np.sign(step) * rest[near][np.argmax(np.sign(step) * rest[near])]) / abs(step)
         for step, near in _steps(times, amplitude)
         if near.any()
     ]
-    # One iteration's share of the integral is not a jump.
-    leap = min(leaps) - 1.5 * period * float(np.abs(growths).max()) if leaps else 0.0
+    # What the integral grows in an iteration, or in the delay, is not a jump.
+    lag = float(np.abs(np.cumsum((errors - seen) * intervals)).max()) / amplitude
+    grown = (1.5 * period + lag) * float(np.abs(growths).max())
+    leap = min(leaps) - grown if leaps else 0.0
     return ProbeFit(
         amplitude,
         float(gains[0]),
@@ -213,6 +222,13 @@ def _fit(
         max(leap, 0.0),
         explained,
     )
+
+
+def _columns(seen: np.ndarray, intervals: np.ndarray, is_one_sided: bool) -> np.ndarray:
+    """Return the terms of the law over time: constant, errors of each side, and their integrals."""
+    sides = [np.maximum(seen, 0.0), np.minimum(seen, 0.0)] if is_one_sided else [seen]
+    columns = [np.ones(len(seen)), *sides, *(np.cumsum(side * intervals) for side in sides)]
+    return np.stack(columns, axis=1)
 
 
 def _steps(times: np.ndarray, amplitude: float) -> List[Tuple[float, np.ndarray]]:

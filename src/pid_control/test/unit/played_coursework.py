@@ -127,6 +127,9 @@ class PlayedNode:
     def processor_time(self) -> float:
         return self.spent
 
+    def has_library(self, name: str) -> bool:
+        return False
+
     def is_idle(self) -> bool:
         return not any(node.is_restless for node in self.machine.nodes.values())
 

@@ -56,6 +56,12 @@ def say(process: Watched, line: bytes) -> None:
     assert process.popen.stdout.readline() == b"heard\n"
 
 
+def test_has_library_is_true_for_those_that_the_process_has_loaded(computing: Watched) -> None:
+    say(computing, b"rest\n")
+    assert computing.watch.has_library("libc.so")
+    assert not computing.watch.has_library("libroscpp.so")
+
+
 def test_is_idle_new_computing_thread_is_detected(computing: Watched) -> None:
     say(computing, b"rest\n")
     assert computing.watch.wait_idle(30.0)

@@ -105,6 +105,8 @@ def test_find_controller_program_of_another_workspace_belongs_to_its_package(
     command = find_controller(["anna", "pid"], workspace=str(tmp_path / "ws"))
     assert (command.name, command.package) == (str(built / "pid"), str(source))
     assert command.environment["ROS_PACKAGE_PATH"] == str(source)
+    by_path = find_controller([str(built / "pid")], workspace=str(tmp_path / "ws"))
+    assert (by_path.name, by_path.package) == (str(built / "pid"), str(source))
     assert find_controller([str(built / "pid")]).package == ""
     says = f"^pidd: not found in the package anna \\({source}\\); did you mean pid\\?$"
     with pytest.raises(CommandError, match=says):

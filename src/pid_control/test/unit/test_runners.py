@@ -70,6 +70,21 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     watch.wait_idle.assert_called_once_with(2.0)
 
 
+@pytest.mark.parametrize("is_roscpp", [False, True])
+def test_step_of_the_clock_is_as_long_as_the_interval_in_which_roscpp_looks_at_it(
+    is_roscpp: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    watch, calls = mock.Mock(), mock.Mock()
+    watch.has_library = lambda name: is_roscpp and name == "libroscpp.so"
+    monkeypatch.setattr("time.sleep", calls.sleep)
+    calls.attach_mock(watch.wait_idle, "wait_idle")
+    simulated = clock.SimulatedClock(watch)
+    simulated.start()
+    simulated.wait(0.1)
+    slept = [mock.call.sleep(0.0013)] if is_roscpp else []
+    assert calls.mock_calls == [*slept, mock.call.wait_idle(2.0)]
+
+
 def test_wall_clock_keeps_its_largest_delay(monkeypatch: "pytest.MonkeyPatch") -> None:
     wall = clock.WallClock()
     sleep = mock.Mock()

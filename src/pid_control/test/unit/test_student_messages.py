@@ -122,6 +122,12 @@ def test_message_without_a_float_names_its_fields(tmp_path: pathlib.Path) -> Non
         loop_message("set_point", String)
 
 
+def test_time_of_a_message_of_the_first_coursework_is_not_its_value(tmp_path: pathlib.Path) -> None:
+    found = read(tmp_path, "reto", {"set_point": "float32 time_x\nfloat32 signal_y\n"})
+    filled = found.by_topic["set_point"].filled(5.0, 1.5)
+    assert (filled.time_x, filled.signal_y) == (1.5, 5.0)
+
+
 def test_messages_come_first_and_fields_of_other_types_are_left(tmp_path: pathlib.Path) -> None:
     """The course's own definition needs no note."""
     course = "float32 setPoint\nfloat64 time\n"

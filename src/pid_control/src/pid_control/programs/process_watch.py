@@ -73,6 +73,18 @@ class ProcessWatch:
                 self._spent[pid] = processor_time(pid)
         return sum(self._spent.values())
 
+    def has_library(self, name: str) -> bool:
+        """Return True if a running process has loaded a library.
+
+        :param name: start of the library's file name
+        """
+        for pid in self.pids():
+            with contextlib.suppress(OSError):  # it has just ended
+                with open(f"/proc/{pid}/maps") as maps:
+                    if f"/{name}" in maps.read():
+                        return True
+        return False
+
     def is_idle(self) -> bool:
         """Return True if all threads are waiting."""
         now = time.monotonic()

@@ -91,8 +91,11 @@ def _package_of(path: str, words: Sequence[str], environment: Dict[str, str]) ->
         if os.path.isfile(os.path.join(folder, "package.xml")):
             return folder
         folder = os.path.dirname(folder)
+    folder, name = os.path.dirname(path), words[0]
+    if folder in _libexec_folders(environment, os.path.basename(folder)):
+        name = os.path.basename(folder)
     with contextlib.suppress(rospkg.ResourceNotFound):  # a program of a built workspace
-        return str(rospkg.RosPack(rospkg.get_ros_paths(env=environment)).get_path(words[0]))
+        return str(rospkg.RosPack(rospkg.get_ros_paths(env=environment)).get_path(name))
     return ""
 
 

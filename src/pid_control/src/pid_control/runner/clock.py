@@ -11,6 +11,8 @@ from pid_control.programs.process_watch import ProcessWatch
 _STANDSTILL_S, _STANDSTILL_SHARE = 0.25, 0.5
 #: Longest wait for an idle controller [s]: a machine may be busy.
 _LONGEST_S = 2.0
+#: roscpp's loops, while they sleep, look at a simulated clock once in 1 ms. A step waits as long.
+_ROSCPP, _ROSCPP_POLLS_S = "libroscpp.so", 0.0013
 #: Interval of the checks during a pause [s].
 _CHECK_S = 0.002
 
@@ -45,13 +47,17 @@ class SimulatedClock:
     def __init__(self, watch: ProcessWatch) -> None:
         self._watch = watch
         self._began = self._paused = 0.0
+        self._is_polled = False
 
     def start(self) -> None:
         """Start the clock."""
         self._began = time.monotonic()
+        self._is_polled = self._watch.has_library(_ROSCPP)
 
     def wait(self, until: float) -> bool:
         """Wait until the controller is idle, with a timeout."""
+        if self._is_polled:
+            time.sleep(_ROSCPP_POLLS_S)
         return self._watch.wait_idle(_LONGEST_S)
 
     def pause(self, time_of: float, pop_answers: Callable[[], int]) -> Optional[Pause]:

@@ -9,7 +9,7 @@ from pid_control.programs.package_messages import MessageTypeError, class_of
 COURSE_CLASSES = {"set_point": set_point, "motor_output": motor_output, "motor_input": motor_input}
 _FLOATS = ("float32", "float64")
 #: Names of fields that hold a time, not the value.
-_TIMES = ("time", "stamp", "t")
+_TIMES = ("time", "time_x", "stamp", "t", "tm")
 
 
 class LoopMessage(NamedTuple):

@@ -254,8 +254,11 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
     (tmp_path / "one.launch").unlink()
     found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
     assert [node.program for node in found.nodes] == ["a.py", "b.py"]
-    with pytest.raises(CommandError, match=r"c\.py: not found in the package \("):
-        find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "c.py"])
+    (tmp_path / "CMakeLists.txt").write_text("add_executable(wave src/wave.cpp)")
+    for name, hint in (("c.py", ""), ("wave", "; build its workspace, and use --workspace")):
+        with pytest.raises(CommandError) as error:
+            find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", name])
+        assert str(error.value) == f"{name}: not found in the package ({folder}){hint}"
     # A Python program that is not executable is started all the same; another is not.
     (tmp_path / "scripts" / "b.py").chmod(0o644)
     found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])

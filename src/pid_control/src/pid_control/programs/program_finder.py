@@ -64,12 +64,7 @@ class ProgramFinder:
 
     def is_built_by(self, package: str) -> bool:
         """Return True if a package builds a program of that name."""
-        with suppress(OSError, UnicodeDecodeError):
-            with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
-                text = file.read()
-            pattern = rf"add_executable\(\s*{re.escape(self._name)}\s"
-            return re.search(pattern, text) is not None
-        return False
+        return builds(package, self._name)
 
     def words(self, package: str, workspace: Optional[str]) -> List[str]:
         """Return the path of the program, and its arguments."""
@@ -87,6 +82,18 @@ class ProgramFinder:
         if not found:
             return ""
         return f"; {os.path.relpath(found[0], folder)} can be judged by its path"
+
+
+def builds(package: str, name: str) -> bool:
+    """Return True if a package builds a program of a name.
+
+    :param package: folder of the package
+    :param name: name of the program
+    """
+    with suppress(OSError, UnicodeDecodeError):
+        with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
+            return re.search(rf"add_executable\(\s*{re.escape(name)}\s", file.read()) is not None
+    return False
 
 
 def _controllers_in(package: str) -> str:

@@ -19,6 +19,7 @@ from pid_control.programs.program_command import (
     load_launch_file,
     package_environment,
 )
+from pid_control.programs.program_finder import builds
 from pid_control.programs.python_program import start_words
 from pid_control.signal_judging.parameter_roles import is_number
 
@@ -310,7 +311,8 @@ class _Finder:
         found = [] if program.endswith(".py") else self._built(program)
         found += find_files(self._folder, program) + self._built(program)
         if not found:
-            raise CommandError(f"{program}: not found in the package ({self._folder})")
+            built = "; build its workspace, and use --workspace" * builds(self._folder, program)
+            raise CommandError(f"{program}: not found in the package ({self._folder}){built}")
         start, repairs = start_words(found[0], self._environment)
         if not repairs and not os.access(found[0], os.X_OK):
             raise CommandError(f"{found[0]} is not executable: chmod +x {found[0]}")

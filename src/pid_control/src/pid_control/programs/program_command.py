@@ -11,7 +11,7 @@ import roslaunch.config
 import roslaunch.substitution_args
 import roslaunch.xmlloader
 import rospkg
-from rosgraph.names import ns_join
+from rosgraph.names import get_ros_namespace, ns_join
 from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
 
@@ -320,9 +320,10 @@ def _command_of_launch_file(
 
 
 def _connect_to_judge(node: Node) -> None:
-    """Remap the topics of the loop in a node's namespace to those of the judge, which has none."""
-    own = {ns_join(node.namespace, topic): "/" + topic for topic in _TOPICS}
-    if node.namespace == "/":
+    """Remap the topics of the loop to the judge's, if a launch file has a namespace of its own."""
+    base = get_ros_namespace()
+    own = {ns_join(node.namespace, topic): ns_join(base, topic) for topic in _TOPICS}
+    if node.namespace == base:
         return
     pairs = [(old, own.get(ns_join(node.namespace, new), new)) for old, new in node.remap_args]
     kept = {ns_join(node.namespace, old) for old, _ in pairs}

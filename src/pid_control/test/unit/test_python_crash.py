@@ -155,3 +155,29 @@ def test_crash_in_returns_latest_exception(
     for place in ("/usr/lib/python3/dist-packages", f"{package}/venv/lib/site-packages"):
         installed = output.replace(program, f"{place}/rospy/core.py")
         assert crash_in(installed, [program]) == says
+
+
+def test_last_words_of_a_program_that_goes_on_are_an_exception_until_it_says_more(
+    tmp_path: pathlib.Path,
+) -> None:
+    program, go_on = tmp_path / "controller.py", tmp_path / "go_on"
+    program.write_text(
+        "import os, time, traceback\n"
+        "try:\n"
+        "    1 / 0\n"
+        "except ZeroDivisionError:\n"
+        "    traceback.print_exc()\n"
+        f"while not os.path.exists({str(go_on)!r}):\n"
+        "    time.sleep(0.01)\n"
+        "print('all is well', flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    command = ProgramCommand("x", [sys.executable, str(program)], dict(os.environ), {}, {})
+    controller = ProgramProcess(command, {})
+    says = "ZeroDivisionError: division by zero (controller.py, line 3)"
+    try:
+        wait_until(lambda: controller.last_words() == says, controller.last_words)
+        go_on.touch()
+        wait_until(lambda: controller.last_words() == "all is well", controller.last_words)
+    finally:
+        controller.end()

@@ -76,14 +76,18 @@ class ProgramProcess:
             return 0.0
 
     def last_words(self) -> str:
-        """Return the exception that ended the process, else the last line of its output, if any."""
+        """Return the exception that ended the process, else the last line of its output, if any.
+
+        An exception that is the last line, as of a callback, has its line of the program too.
+        """
         has_ended = self.status is not None
         if has_ended:
             self._reader.join(_PATIENCE_S)  # the last line may still be in the pipe
         output = self._tail.decode(errors="replace")
-        crash = crash_in(output, self._argv) if has_ended else ""
         spoken = [line.strip() for line in output.splitlines() if line.strip()]
-        return (crash or spoken[-1])[:300] if spoken else ""
+        last = spoken[-1] if spoken else ""
+        crash = crash_in(output, self._argv)
+        return (crash if crash and (has_ended or crash.startswith(last)) else last)[:300]
 
     def interrupt(self) -> None:
         """Send SIGINT, and wait for the process to end."""

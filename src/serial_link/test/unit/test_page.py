@@ -8,7 +8,7 @@ from serial_link.device import motor_sketch
 from serial_link.endpoints import log_lines, topics
 from serial_link.framing import decoder
 from serial_link.hardware import serial_port, tcp_port, tcp_slots
-from serial_link.host import message_queue, sync_monitor
+from serial_link.host import baud_pacing, message_queue, sync_monitor
 from serial_link.link import board_link
 from serial_link.nodes import serial_node
 
@@ -28,7 +28,7 @@ PAGE = " ".join((DOCS / "nodes" / "serial_link.md").read_text(encoding="utf-8").
         f"{board_link._LATCHED_DEPTH} messages of a latched topic may wait",
         f"If more than {board_link._INBOX_DEPTH} values of a topic wait",
         f"does not read, the newest {topics._MOST_HELD} are held",
-        f"a frame that is incomplete after {1e3 * topics._LONGEST_FRAME_S:g} ms",
+        f"a frame that is incomplete after {baud_pacing.LONGEST_FRAME_MS} ms",
         f"The port is tried {({5: 'five'})[round(1.0 / board_link._OPEN_EVERY_S)]} times a second",
         f"After {serial_port._WRITE_S:g} s the message is dropped",
         f"After {tcp_port._WRITE_S:g} s the message is dropped",

@@ -46,6 +46,7 @@ class FakeContext:
 
     name = "/serial_node"
     trouble = ""
+    baud = 0
 
     def __init__(self) -> None:
         self.inbox = MessageQueue()
@@ -262,6 +263,7 @@ class Left:
     def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
         self.scope, self.link = mock.Mock(), mock.Mock()
         self.scope.name = "/serial_node"
+        self.link.baud = 0
         self.scope.resolve = lambda name: "/" + name
         self.find = mock.Mock(return_value="text")
         self.side = RosSide(self.scope, self.link, Counters(), lambda: 5.0, self.find, "left")
@@ -341,6 +343,20 @@ def test_parameter_is_answered_empty_if_the_master_does_not_answer_or_a_buffer_i
     assert [call[0][1] for call in left.link.answer.call_args_list] == [empty, empty]
     assert "the board's buffer has 15" in caplog.text
     assert "asks for gain: no master" in caplog.text
+
+
+def test_answer_that_takes_longer_than_the_library_waits_is_logged_and_sent(
+    left: Left, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    left.announce()
+    left.link.baud = 57600
+    left.find.return_value = [0] * 11
+    left.handle(ParameterRequest("short", 1))
+    assert not caplog.text
+    left.find.return_value = [0] * 12  # as ints and as floats
+    left.handle(ParameterRequest("long", 2))
+    assert "the board asks for long: 108 bytes take longer than the 20 ms" in caplog.text
+    assert [len(call[0][1]) for call in left.link.answer.call_args_list] == [100, 108]
 
 
 def test_new_ids_and_the_reason_of_a_loss_reach_an_open_topic(left: Left) -> None:

@@ -49,6 +49,7 @@ class FakeContext:
     """Scope, client and link of the service."""
 
     trouble = ""
+    baud = 0
 
     def __init__(self, answer: Any) -> None:
         self.answer = answer
@@ -117,6 +118,19 @@ def test_response_beyond_the_buffer_of_the_board_is_not_sent_and_requests_the_to
     assert counters.to_dict() == {TOO_LARGE: 1}
 
 
+def test_response_that_takes_longer_than_the_library_waits_is_sent_and_requests_the_topics(
+    caplog: "pytest.LogCaptureFixture",
+) -> None:
+    for length, requests in ((107, 0), (108, 1)):
+        around: Any = FakeContext(SetBoolResponse(True, "x" * (length - 5)))
+        around.baud = 57600
+        service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
+        service.receive(encode(SetBoolRequest(True)))
+        assert (around.sent, around.requests) == (1, requests)
+    assert caplog.text.count("the board's call failed") == 1
+    assert "/called: 108 bytes take longer than the 20 ms after which rosserial's" in caplog.text
+
+
 @pytest.mark.parametrize(
     "answer", [CallError("not answered within 5 s"), SetBoolResponse(True, "on")]
 )
@@ -142,6 +156,7 @@ class BoardContext:
     """Scope of a service that the board offers, and link to the board."""
 
     trouble = ""
+    baud = 0
 
     def __init__(self) -> None:
         self.on_request: Callable[[], None] = lambda: None
@@ -206,6 +221,18 @@ def test_call_that_cannot_be_sent_does_not_delay_the_next_one() -> None:
     with pytest.raises(CallError, match="^/called: the cable is out$"):
         around.call(SetBoolRequest(True))
     assert service._is_done.is_set()
+
+
+def test_error_of_a_call_names_a_request_that_takes_longer_than_the_library_waits() -> None:
+    around: Any = BoardContext()
+    service = OfferedService(around, OFFERED, around, Counters(), lambda: 0.0)
+    for around.baud, reason in ((4500, ""), (4499, ": 1 bytes take longer than the 20 ms .*")):
+        with pytest.raises(CallError, match=f"^/called: .* answered within 0 s{reason}$"):
+            around.call(SetBoolRequest(True))
+        service.receive(encode(SetBoolResponse(True, "late")))
+    around.baud = 1200
+    around.on_request = lambda: service.receive(encode(SetBoolResponse(True, "on")))
+    assert around.call(SetBoolRequest(True)).message == "on"  # some other library took it
 
 
 def test_calls_that_the_board_cannot_number_are_made_one_at_a_time() -> None:

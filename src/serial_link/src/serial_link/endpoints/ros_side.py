@@ -15,6 +15,7 @@ from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
 from serial_link.endpoints.types import MalformedMessage, TypeRefused
 from serial_link.framing.frames import LONGEST
+from serial_link.host.baud_pacing import explain_drop
 from serial_link.host.counters import MALFORMED, Counters
 from serial_link.link.events import (
     Synced,
@@ -235,6 +236,9 @@ class RosSide:
                 self._warn(f"the board asks for {resolved}, which is not set")
             else:
                 payload = encode_answer(raw, self._buffer_size())
+                problem = explain_drop(len(payload), self._link.baud)
+                if problem:
+                    self._warn(f"the board asks for {name}: {problem}")
         except (UnsupportedValue, IllegalName, ConnectionError) as error:
             self._warn(f"the board asks for {name}: {error}")
         if not self._is_outdated(request):

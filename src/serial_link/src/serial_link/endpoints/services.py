@@ -14,6 +14,7 @@ from nodekit import (
     ReentrantCallbackGroup,
 )
 from serial_link.endpoints.types import MalformedMessage, decode, encode, md5sums_of, service_class
+from serial_link.host.baud_pacing import explain_drop
 from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
@@ -46,9 +47,10 @@ class _Service:
     def on_sync(self) -> None:
         """Board synchronized: nothing to do."""
 
-    def send(self, message: Any) -> None:
+    def send(self, message: Any) -> str:
         """Send a request or a response to the board.
 
+        :returns: why rosserial's library drops it, or an empty text
         :raises CallError: if sending fails
         """
         payload = encode(message)
@@ -62,6 +64,7 @@ class _Service:
         if not self._link.send_reliable(self._info, payload):
             why = "the board has not announced it again, or the send queue is full"
             raise CallError(f"{self.name}: {self._link.trouble or why}")
+        return explain_drop(len(payload), self._link.baud)
 
 
 class OfferedService(_Service):
@@ -113,12 +116,13 @@ class OfferedService(_Service):
         self._is_done.clear()
         self._response, self._failure = None, ""
         try:
-            self.send(request)
+            problem = self.send(request)
         except CallError:
             self._is_done.set()
             raise
         if not self._is_done.wait(timeout):
-            raise CallError(f"{self.name}: the board has not answered within {timeout:g} s")
+            late = f"{self.name}: the board has not answered within {timeout:g} s"
+            raise CallError(f"{late}: {problem}" if problem else late)
         if self._response is None:
             raise CallError(f"{self.name}: {self._failure}")
         return self._response
@@ -173,8 +177,9 @@ class CalledService(_Service):
     def _answer(self, era: int, future: CallFuture) -> None:
         try:
             response: Optional[Any] = future.result()
-            if era == self._era:
-                self.send(response)
+            problem = self.send(response) if era == self._era else ""
+            if problem:
+                raise CallError(f"{self.name}: {problem}")
         except (CallError, MalformedMessage) as error:
             self._fail(era, error)
 

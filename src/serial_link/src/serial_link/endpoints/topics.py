@@ -7,6 +7,7 @@ import rospy
 
 from nodekit import NodeScope, ReentrantCallbackGroup
 from serial_link.endpoints.types import decode, message_class
+from serial_link.host.baud_pacing import explain_drop
 from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
@@ -15,9 +16,6 @@ from serial_link.negotiation.topic_table import Endpoint
 _WARN_EVERY_S = 10.0
 #: Most messages held for a subscriber that does not read. With a limit, publishing does not block.
 _MOST_HELD = 200
-#: rosserial's library drops a frame that is incomplete after this time [s].
-_LONGEST_FRAME_S = 0.02
-_BITS, _OVERHEAD = 10, 8
 
 
 class PublishedTopic:
@@ -109,15 +107,9 @@ class SubscribedTopic:
         is_due = is_new if is_latched else not (is_new and self._is_replaced)
         if not is_due or not self._fits(payload):
             return
-        baud = self._link.baud
-        if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
-            self._throttled_log.log(
-                rospy.logwarn,
-                f"{self._name}: {len(payload)} bytes take longer than the "
-                f"{1e3 * _LONGEST_FRAME_S:g} ms after which rosserial's library drops a message "
-                f"({baud} baud)",
-                "time",
-            )
+        problem = explain_drop(len(payload), self._link.baud)
+        if problem:
+            self._throttled_log.log(rospy.logwarn, f"{self._name}: {problem}", "time")
         if is_latched:
             self._link.send_latched(info, payload)
         else:

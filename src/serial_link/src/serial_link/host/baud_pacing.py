@@ -1,10 +1,31 @@
-"""Pacing of frames to the baud rate."""
+"""Pacing of frames to the baud rate, and frames that take too long at it."""
+
+from serial_link.framing.frames import OVERHEAD
 
 #: Bits per byte on the line: start bit, eight data bits, stop bit.
 BITS = 10
 #: The next frame is written this long before the line is free [s], so that a late thread leaves no
 #: gap. A written frame cannot be replaced by a newer value.
 AHEAD_S = 0.002
+#: rosserial's library drops a frame that is incomplete after this time [ms].
+LONGEST_FRAME_MS = 20
+
+
+def explain_drop(size: int, baud: int) -> str:
+    """Return why rosserial's library drops a frame that is written in one piece, or an empty text.
+
+    Such a frame is sent nevertheless: a board with a larger receive buffer than an AVR's may find
+    all of it there.
+
+    :param size: of the payload [bytes]
+    :param baud: bits per second; 0 without a serial line
+    """
+    if (size + OVERHEAD) * BITS * 1000 <= LONGEST_FRAME_MS * baud or not baud:
+        return ""
+    return (
+        f"{size} bytes take longer than the {LONGEST_FRAME_MS} ms after which rosserial's library "
+        f"drops a message ({baud} baud)"
+    )
 
 
 class BaudPacer:

@@ -269,5 +269,10 @@ def test_unknown_name_comes_with_the_nearest_known_one(name, nearest):
     assert unknown_names(Gauge.declared, raw, ["Message"]) == {name: nearest}
 
 
+def test_only_a_probably_misspelt_name_is_unknown_where_all_others_are_exempt():
+    raw = {**on_wire(DEFAULTS), "COUNT": 1, "hihg": 1, "highway": 1, "xylophone": 1, "*": 1}
+    assert unknown_names(Gauge.declared, raw, ["*"]) == {"COUNT": "count", "hihg": "high"}
+
+
 def test_no_name_is_unknown_where_all_are_declared():
     assert unknown_names(Gauge.declared, on_wire(DEFAULTS)) == {}

@@ -126,9 +126,11 @@ class SerialNode(NodeRig):
 
     def test_port_from_the_command_line_as_rosserial_python_has_it(self) -> None:
         self.start_board()
-        self.start("serial_node", self.port, baud=115200)
+        link = self.start("serial_node", self.port, baud=115200, prot="x", maxpower=3)
         self.outputs.wait_for(lambda heard: True)
         self.assertEqual(rospy.get_param(self.space + "/serial_node/port"), self.port)
+        link.wait_for_log("serial_node/prot is not used by this node; did you mean port?")
+        self.assertFalse(link.logged("maxpower is not used"))  # a board may ask for it
 
 
 if __name__ == "__main__":

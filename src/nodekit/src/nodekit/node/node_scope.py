@@ -259,7 +259,7 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         :param declaration: the class that declares the parameters
         :param on_change: called with the new and the old values after a change; must be short
             without an executor, since changes of all other nodes in the process wait for it
-        :param exempt: names of further parameters that are used but not declared
+        :param exempt: further names that are used; with ``*`` all but probable misspellings
         :param group: the callback's group; the node's default group by default
         :param rules: methods of the node's class, marked by :func:`nodekit.rule`, that validate
             the values besides the declaration's rules, at the start and at each change

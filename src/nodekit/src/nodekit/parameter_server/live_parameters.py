@@ -38,7 +38,8 @@ class LiveParameters(Generic[Snapshot]):
     :param declaration: the class that declares the parameters
     :param namespace: global name of the parameters' namespace
     :param watcher: the process's watcher
-    :param exempt: names in the namespace that are used but not declared
+    :param exempt: names in the namespace that are used but not declared; with ``*`` all names but
+        probable misspellings
     :param takes_effect: when changes of parameters that are read once take effect
     :param rules: rules in addition to those of the class
     :raises ParameterError: if values on the server are not allowed; names all of them

@@ -112,7 +112,8 @@ class Reconciler(Generic[Snapshot]):
     :meth:`written` or :meth:`failed` is called, before the next step.
 
     :param declaration: the class that declares the parameters
-    :param exempt: names in the namespace that are used but not declared
+    :param exempt: names in the namespace that are used but not declared; with ``*`` all names but
+        probable misspellings
     :param rules: rules in addition to those of the class
 
     :ivar values: the current snapshot

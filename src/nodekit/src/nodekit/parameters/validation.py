@@ -7,6 +7,9 @@ from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.errors import RuleError
 from nodekit.parameters.parameter_types import MISSING, Parameter, ParameterError, plain, to_wire
 
+#: Least similarity of the name in "did you mean", and of a misspelt name where others are in use.
+_SIMILAR, _CLOSE = 0.6, 0.75
+
 
 def validate_each(
     in_force: ParameterSet, raw: Mapping[str, Any], missing: Mapping[str, Any]
@@ -134,15 +137,18 @@ def unknown_names(
 
     :param declared: the declared names
     :param names: the names to check
-    :param exempt: other names that are used
+    :param exempt: other names that are used; with ``*`` all names but those close to a known one
     :returns: for each unknown name the nearest known one, or None
     """
-    known = sorted({*declared, *exempt})
+    has_others = "*" in exempt
+    known = sorted({*declared, *exempt} - {"*"})
     found: Dict[str, Optional[str]] = {}
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name.lower(), known, n=1)
-            found[name] = near[0] if near else None
+            cutoff = _CLOSE if has_others else _SIMILAR
+            near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=cutoff)
+            if near or not has_others:
+                found[name] = near[0] if near else None
     return found
 
 

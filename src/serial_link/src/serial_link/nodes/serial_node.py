@@ -52,7 +52,8 @@ class SerialNode:
     """
 
     def __init__(self, node: Node, words: Sequence[str] = ()) -> None:
-        self._settings = node.declare_parameters(SerialParameters)
+        # A sketch may ask for any private parameter.
+        self._settings = node.declare_parameters(SerialParameters, exempt=["*"])
         if words:
             self._settings.update(**dict(zip(("port", "tcp_port"), words)))
         self._node_name = node.name

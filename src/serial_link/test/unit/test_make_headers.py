@@ -171,6 +171,7 @@ void show(const char *x) {
   for (; *x; x++) printf("%02x", (unsigned char)*x);
   printf(" ");
 }
+void show(char *x) { show((const char *)x); }
 void show(ros::Time &x) { printf("%u %u ", x.sec, x.nsec); }
 void show(ros::Duration &x) { printf("%lld %d ", (long long)x.sec, x.nsec); }
 """
@@ -440,6 +441,38 @@ def test_field_may_have_the_name_of_a_macro_of_arduino(tmp_path: pathlib.Path) -
     (tmp_path / "program.cpp").write_text(MACROS)
     command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-I.", *LIBRARIES]
     subprocess.check_call([*command, "program.cpp"], cwd=str(tmp_path))
+
+
+TEXTS = """
+#include "odd/Odd.h"
+int main() {
+  static char one[] = "one", two[] = "two";
+  static char *texts[] = {one, two};
+  odd::Odd it, other;
+  it.names = texts;
+  it.names_length = 2;
+  it.st_names = it.pair[0] = (char *)"literal";
+  it.pair[1] = texts[1];
+  it.text = "constant";
+  static unsigned char buffer[100];
+  int length = it.serialize(buffer);
+  if (other.deserialize(buffer) != length || other.names_length != 2) return 1;
+  *other.names[1] = 'T';  // it is in the buffer
+  bool are_same = !strcmp(other.names[0], "one") && !strcmp(other.pair[0], "literal");
+  return are_same && !strcmp(other.names[1], "Two") && !strcmp(other.text, "constant") ? 0 : 2;
+}
+"""
+
+
+def test_texts_of_an_array_are_pointers_as_those_of_rosserial(tmp_path: pathlib.Path) -> None:
+    kinds = [(True, None, "names"), (True, 2, "pair"), (False, None, "text")]
+    texts = tuple(Field("string", *kind) for kind in kinds)
+    text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (), texts)])
+    make_headers.write({WIRE_PATH: WIRE_HEADER, "odd/Odd.h": text}, tmp_path)
+    (tmp_path / "program.cpp").write_text(TEXTS)
+    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", "-I.", *LIBRARIES]
+    subprocess.check_call([*command, "program.cpp", "-o", "program"], cwd=str(tmp_path))
+    subprocess.check_call([str(tmp_path / "program")])
 
 
 @pytest.mark.parametrize(

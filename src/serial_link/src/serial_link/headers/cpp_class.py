@@ -154,19 +154,19 @@ def _constant(constant: Constant) -> str:
     return f"static constexpr {_NUMBERS[constant.base]} {name} = {number};"
 
 
-def cpp_type(base: str) -> str:
-    """Return the C++ type of an element.
+def cpp_type(field: Field) -> str:
+    """Return the C++ type of a field, or of an element of an array.
 
-    :param base: its type in the definition
+    :param field: of the definition
     """
-    if base == "string":
-        return "const char *"
-    return _NUMBERS.get(base) or _OF_ROS.get(base) or base.replace("/", "::")
+    if field.base == "string":  # as rosserial's generator has it, for sketches that set an array
+        return "char *" if field.is_array else "const char *"
+    return _NUMBERS.get(field.base) or _OF_ROS.get(field.base) or field.base.replace("/", "::")
 
 
 def _members(field: Field) -> Iterator[str]:
     name = member(field.name)
-    yield f"  typedef {cpp_type(field.base)} _{field.name}_type;"
+    yield f"  typedef {cpp_type(field)} _{field.name}_type;"
     if not field.is_array:
         yield f"  _{field.name}_type {name};"
     elif field.length is not None:

@@ -95,12 +95,12 @@ inline int put_text(unsigned char *out, const char *text) {
 }
 
 // The string stays in the buffer; it moves down by one byte, to make room for its terminator.
-inline int get_text(unsigned char *in, const char *&text) {
+template <typename Text> inline int get_text(unsigned char *in, Text *&text) {
   uint32_t length;
   get(in, length);
   memmove(in + 3, in + 4, length);
   in[3 + length] = 0;
-  text = (const char *)(in + 3);
+  text = (Text *)(in + 3);
   return 4 + length;
 }
 

@@ -364,6 +364,16 @@ def test_round_without_an_answer_makes_no_board_synced(rig: Rig) -> None:
     assert rig.link._topics.is_settled and drain(rig.link.inbox) == []
 
 
+@pytest.mark.parametrize("answer", [[], [encode(TIME, bytes(8))]])
+def test_board_that_answers_without_topics_can_get_its_parameters(
+    rig: Rig, answer: List[bytes]
+) -> None:
+    rig.link._sync.handle(1.0, OPENED)
+    rig.link._receive_bytes(1.1, b"".join([*answer, encode(PARAMETER, encode_name("gain"))]))
+    known = [Topics([], False)] if answer else []
+    assert drain(rig.link.inbox) == [*known, ParameterRequest("gain", 1)]
+
+
 def test_surplus_topic_is_logged(
     rig: Rig, monkeypatch: "pytest.MonkeyPatch", caplog: "pytest.LogCaptureFixture"
 ) -> None:

@@ -125,11 +125,15 @@ def rig(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Rig]:
     rig.side.close()
 
 
-def test_only_the_last_parameter_request_before_the_topics_is_answered(rig: Rig) -> None:
+def test_only_the_last_parameter_request_before_the_topics_is_answered(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
     rig.context.request("first")
     rig.context.request("second")
     rig.context.inbox.put_reliable(Topics([], True))
     rig.wait_for_answers("/second")
+    assert "the board's request for first is not answered" in caplog.text
+    assert "request for second" not in caplog.text
     rig.context.inbox.put_reliable(Topics([], True))
     rig.wait_until_idle()
     rig.context.request("third")

@@ -284,6 +284,28 @@ def test_sketch_without_topics_is_synced_by_the_second_answer() -> None:
     assert monitor.state in (SYNCED, SILENT)
 
 
+def test_sketch_that_advertises_after_its_first_answer_is_asked_again_when_it_publishes() -> None:
+    monitor = SyncMonitor()
+    monitor.handle(0.0, OPENED)
+    assert not monitor.is_bare
+    monitor.handle(0.02, TIME)
+    assert monitor.is_bare
+    assert run(monitor, 0.0, QUIET_S) == [PROBE]
+    assert monitor.handle(0.35, UNKNOWN) == [ASK]
+    assert monitor.handle(0.36, UNKNOWN) == [] and not monitor.is_bare
+    monitor.handle(0.37, TIME)
+    monitor.handle(0.38, TOPIC)
+    assert monitor.state == SYNCED and not monitor.is_bare
+
+
+def test_messages_before_the_answer_cause_no_second_question() -> None:
+    monitor = SyncMonitor()
+    actions = monitor.handle(0.0, OPENED)
+    for step in range(1, 100):
+        actions += run(monitor, 0.0, 0.1 * step) + monitor.handle(0.1 * step, UNKNOWN)
+    assert actions.count(ASK) == 1
+
+
 def test_damaged_frames_before_the_answer_bring_questions_ever_more_rarely() -> None:
     monitor = SyncMonitor()
     actions = monitor.handle(0.0, OPENED)

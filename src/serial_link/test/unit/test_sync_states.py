@@ -93,6 +93,7 @@ def test_frames_of_a_configured_board_synchronize_it() -> None:
         assert find_transition(state, MESSAGE) == Transition(SYNCED)
     for state in (SYNCED, SILENT, PROBING):
         assert find_transition(state, UNKNOWN) == Transition(SYNCED, ASK)
+    assert find_transition(SEEKING, UNKNOWN) == Transition(ASKED, ASK)
     assert find_transition(ASKED, EMPTY) == Transition(SYNCED)
 
 

@@ -126,6 +126,8 @@ class RosSide:
             if self._is_known:
                 self._answer(arrival)
             else:
+                if self._asked is not None:
+                    self._is_outdated(self._asked)
                 self._asked = arrival
         elif isinstance(arrival, Restarted):
             self._is_known, self._asked = False, None

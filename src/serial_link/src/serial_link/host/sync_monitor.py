@@ -79,6 +79,11 @@ class SyncMonitor:
         """Longest time the board may take to answer [s]."""
         return max(QUIET_S, SILENT_ITERATIONS * self._loop_s) + self._frame_s
 
+    @property
+    def is_bare(self) -> bool:
+        """Whether the topic request was answered, as far as received, without topics."""
+        return self.state in (ASKED, SEEKING) and self._time_at >= self._asked_at
+
     def handle(self, now: float, event: str) -> List[str]:
         """Handle an event.
 
@@ -101,7 +106,8 @@ class SyncMonitor:
         if event in _PROOFS or event == TIME:
             self._alive_at = now
         is_asked = event in (UNKNOWN, DAMAGED) and find_transition(was, event).action == ASK
-        if is_asked and not self._may_ask(now):
+        is_pending = was == SEEKING and event == UNKNOWN and not self.is_bare
+        if is_asked and (is_pending or not self._may_ask(now)):
             event = MESSAGE if event == UNKNOWN else ""  # its answer is in transit
         self.state, action = find_transition(was, event)
         actions = [action] if action else []
@@ -140,7 +146,7 @@ class SyncMonitor:
             event = OVERDUE
         elif self.state == SILENT and now >= self._alive_at + OVERDUE_S:
             event = OVERDUE
-        elif self.state == ASKED and self._time_at >= self._asked_at:
+        elif self.state == ASKED and self.is_bare:
             self._empty_answers += 1
             event = EMPTY if self._empty_answers >= EMPTY_ANSWERS else DUE
         return self.handle(now, event)

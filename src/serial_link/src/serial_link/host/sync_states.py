@@ -61,6 +61,9 @@ class Transition(NamedTuple):
 #: request is pending at a time: a board that missed it proves by its answer to a two-byte probe
 #: that it is listening now. It answers all probes in its buffer together, so two probes per
 #: iteration suffice.
+#:
+#: A board announces its topics right after the time request that answers the topic request. If none
+#: followed, the first message proves that the sketch has advertised topics since: it is asked.
 TABLE: Dict[Tuple[str, str], Transition] = {
     (CLOSED, OPENED): Transition(ASKED, ASK),
     (ASKED, LOST): Transition(CLOSED, RESTART),
@@ -70,6 +73,7 @@ TABLE: Dict[Tuple[str, str], Transition] = {
     (SEEKING, LOST): Transition(CLOSED, RESTART),
     (SEEKING, TOPIC): Transition(SYNCED),
     (SEEKING, TIME): Transition(HEARD),
+    (SEEKING, UNKNOWN): Transition(ASKED, ASK),
     (SEEKING, DAMAGED): Transition(ASKED, ASK),
     (SEEKING, DUE): Transition(SEEKING, PROBE),
     (SEEKING, OVERDUE): Transition(ASKED, ASK),

@@ -301,6 +301,8 @@ class BoardLink:
                 event = sync_states.NOTICE
                 name = payloads.decode_name(payload)
                 number = self.parameter_requests.add(now)
+                if self._sync.is_bare:  # the sketch has advertised nothing yet
+                    self.inbox.put_reliable(Topics(self._topics.endpoints(), False))
                 self.inbox.put_reliable(ParameterRequest(name, number))
             elif topic_id == LOG:
                 event = sync_states.NOTICE

@@ -127,7 +127,7 @@ class RosSide:
                 self._answer(arrival)
             else:
                 if self._asked is not None:
-                    self._is_outdated(self._asked)
+                    self._is_outdated(self._asked)  # logs that it is not answered
                 self._asked = arrival
         elif isinstance(arrival, Restarted):
             self._is_known, self._asked = False, None

@@ -338,7 +338,9 @@ int main() {
   if (it.serialize(out) != length) return 7;
   fwrite(out + length - 40, 8, 5, stdout);
   unsigned char one[4] = {1}, two[4] = {2};
-  uint32_t length_now, capacity = 0;
+  static_assert(sizeof it.data_room == sizeof(size_t), "2 bytes on an AVR");
+  uint32_t length_now;
+  size_t capacity = 0;
   int *elements;
   serial_link::get_length(one, length_now, capacity, elements);
   elements[0] = 7;  // what an element owns is not lost when the array grows

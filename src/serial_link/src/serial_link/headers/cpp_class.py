@@ -173,7 +173,7 @@ def _members(field: Field) -> Iterator[str]:
         yield f"  _{field.name}_type {name}[{field.length}];"
     else:
         yield f"  uint32_t {field.name}_length;"
-        yield f"  uint32_t {field.name}_room;"
+        yield f"  size_t {field.name}_room;"
         yield f"  _{field.name}_type st_{field.name};"
         yield f"  _{field.name}_type *{name};"
 

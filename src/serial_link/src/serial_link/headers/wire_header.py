@@ -108,7 +108,7 @@ template <typename Text> inline int get_text(unsigned char *in, Text *&text) {
 // own memory; values that the sketch has stored there are kept.
 template <typename Element>
 inline int get_length(
-    const unsigned char *in, uint32_t &length, uint32_t &room, Element *&elements) {
+    const unsigned char *in, uint32_t &length, size_t &room, Element *&elements) {
   get(in, length);
   if (length > room) {
     elements = (Element *)realloc(room ? (void *)elements : NULL, length * sizeof(Element));

@@ -253,6 +253,23 @@ def test_judge_output_is_not_ignored_by_a_law_that_is_limited_while_the_set_poin
     assert "stale" not in judge(records, LIMITS).flaws()
 
 
+def constant_set_point(value: float) -> Callable[[], Answers]:
+    """Return a PI law for a constant set point."""
+
+    def make() -> Answers:
+        law = pi()()
+        return lambda set_point, output: law(value, output)
+
+    return make
+
+
+@pytest.mark.parametrize("value", [0.0, 5.0, -3.0])
+def test_judge_constant_set_point_of_the_controller_is_deaf(value: float) -> None:
+    judgement = judged(constant_set_point(value))
+    assert judgement.flaws()[0] == "deaf"
+    assert not {"windup", "windup or delay", "unexplained"} & set(judgement.flaws())
+
+
 def waiting(seconds: float) -> Callable[[], Answers]:
     """Return a correct law that sends 0 for some time."""
 

@@ -6,7 +6,7 @@ from statistics import median
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.metrics import growths, leave_times, metrics_of
-from pid_control.judging.probes import ProbeFit, best_fit, first_change, is_ignored
+from pid_control.judging.probes import ProbeFit, best_fit, first_change, is_constant, is_ignored
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, RATE_PARTS, STAYS, Scenario, scaled
 from pid_control.judging.simulation import pi_law, simulate
@@ -26,6 +26,9 @@ _CHANGED = 0.25
 #: Shortest time without a change that counts as a late start, and its largest difference between
 #: runs [s].
 _LATE_S, _SAME_S = 1.0, 0.5
+#: Times before and after a step of the set point [s], least answer to it [1/(rad/s)], and share of
+#: the largest input below which there is no limit.
+_BEFORE_S, _AFTER_S, _LEAST_ANSWER, _FREE = 0.05, 0.2, 1e-3, 0.9
 #: Settling time and overshoot of a law that suits the motor [s, %].
 _SETTLED_S, _OVERSHOT = 0.8, 25.0
 
@@ -95,6 +98,9 @@ def evidence_of(records: Sequence[Record]) -> ControllerEvidence:
     )
     if "held" in by_name:
         evidence = _with_probes(evidence, by_name["held"])
+    if {"held", "steps"} <= by_name.keys() and "set_point" not in evidence.ignores:
+        if _ignores_steps(by_name["held"], by_name["steps"]):
+            evidence = evidence._replace(ignores=("set_point", *evidence.ignores))
     if "rate" in by_name:
         evidence = evidence._replace(grows_per_turn=_grows_per_turn(by_name["rate"]))
     if "windup" in by_name:
@@ -169,6 +175,22 @@ def _with_probes(evidence: ControllerEvidence, record: Record) -> ControllerEvid
         lacks_integral=all(abs(fit.growth) * 0.1 < _NONE * abs(fit.gain) for fit in known),
         law=Law(gains[0], integrals[0], period) if is_pi and is_symmetric else None,
     )
+
+
+def _ignores_steps(held: Record, closed: Record) -> bool:
+    """Return True if the input does not depend on the set point, also where it is at no limit."""
+    has_started = first_change(closed.answers) < _SETTLED_S
+    if not has_started or not is_constant(held.answers, is_output=False):
+        return False
+    largest = max(abs(value) for _, value in held.answers)
+    corners = closed.scenario.set_point
+    steps = [(time, value - before) for (_, before), (time, value) in zip(corners, corners[1:])]
+    for time, height in (one for one in steps if one[1] and one[0] > _SETTLED_S):
+        near = [row.input for row in closed.between(time - _BEFORE_S, time + _AFTER_S)]
+        is_same = max(near) - min(near) <= _LEAST_ANSWER * abs(height)
+        if not is_same or max(map(abs, near)) > _FREE * largest:
+            return False
+    return True
 
 
 def _one_sided(fits: Sequence[ProbeFit]) -> Optional[bool]:

@@ -94,6 +94,16 @@ def first_change(answers: Answers) -> float:
     return next((time for time, value in answers if abs(value - start) > _NO_CHANGE), math.inf)
 
 
+def is_constant(answers: Answers, is_output: bool) -> bool:
+    """Return True if the input is the same in all probes of a topic.
+
+    :param answers: time [s] and input of each answer
+    :param is_output: True for the motor's probes
+    """
+    probes = _probes(answers, is_output)
+    return all(probe and max(probe) - min(probe) <= _NO_CHANGE for probe in probes)
+
+
 def is_ignored(answers: Answers, is_output: bool) -> bool:
     """Return True if the input is the same in all probes of a topic, although it changes in others.
 
@@ -104,20 +114,22 @@ def is_ignored(answers: Answers, is_output: bool) -> bool:
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
     """
+    first = first_change(answers)
+    if first == math.inf or not is_constant(answers, is_output):
+        return first == math.inf and is_constant(answers, is_output)
+    least, largest = (pick(value for _, value in answers) for pick in (min, max))
+    return first < begin_of(len(AMPLITUDES) - 1, is_output) and all(
+        least + _NO_CHANGE < value < largest - _NO_CHANGE
+        for probe in _probes(answers, is_output)
+        for value in probe
+    )
+
+
+def _probes(answers: Answers, is_output: bool) -> List[List[float]]:
     begins = [begin_of(index, is_output) for index in range(len(AMPLITUDES))]
-    probes = [
+    return [
         [value for time, value in answers if begin <= time < begin + PROBE_S] for begin in begins
     ]
-    if not all(probe and max(probe) - min(probe) <= _NO_CHANGE for probe in probes):
-        return False
-    first = first_change(answers)
-    if first == math.inf:
-        return True
-    least, largest = (pick(value for _, value in answers) for pick in (min, max))
-    is_between = all(
-        least + _NO_CHANGE < value < largest - _NO_CHANGE for probe in probes for value in probe
-    )
-    return first < begins[-1] and is_between
 
 
 def best_fit(answers: Answers, is_output: bool) -> Optional[ProbeFit]:

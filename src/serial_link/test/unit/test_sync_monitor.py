@@ -157,6 +157,20 @@ def test_patience_returns_to_its_minimum_when_the_loop_becomes_quick() -> None:
     assert monitor.patience == QUIET_S
 
 
+@pytest.mark.parametrize("event", [MESSAGE, TOPIC])
+def test_board_that_sends_in_each_iteration_has_no_longer_loop(event: str) -> None:
+    monitor = synced_monitor()
+    run(monitor, 0.0, 2.8)
+    monitor.handle(2.8, TIME)
+    assert monitor.patience == SILENT_ITERATIONS * 2.8  # it has sent nothing else
+    for iteration in range(1, 8):  # the first time request after 2.5 s is in the seventh
+        now = 2.8 + 0.4 * iteration
+        run(monitor, 0.0, now)
+        monitor.handle(now, event)
+    monitor.handle(now, TIME)
+    assert monitor.patience == pytest.approx(SILENT_ITERATIONS * 0.4)
+
+
 def test_slow_sketch_that_was_reset_is_asked_again() -> None:
     monitor = SyncMonitor()
     monitor.handle(0.0, OPENED)

@@ -67,6 +67,8 @@ class SyncMonitor:
         #: Duration of a loop iteration of the sketch [s]; 0 for a quick loop. The second value
         #: excludes the last time request, which may have answered a probe.
         self._loop_s = self._loop_before_s = 0.0
+        #: Longest time between two frames since the last time request [s].
+        self._gap_s = 0.0
         self._pause_s = self._ask_pause_s = 0.0
         self._empty_answers = 0
         self._proven_at = self._alive_at = self._asked_at = self._probed_at = -math.inf
@@ -93,6 +95,7 @@ class SyncMonitor:
         """
         was = self.state
         if event == MESSAGE and was == SYNCED:  # as below: shortcut for most events
+            self._gap_s = max(self._gap_s, now - self._alive_at)
             self._proven_at = self._alive_at = now
             return []
         if event == OPENED:
@@ -104,6 +107,7 @@ class SyncMonitor:
         if event in _PROOFS:
             self._proven_at = now
         if event in _PROOFS or event == TIME:
+            self._gap_s = 0.0 if event == TIME else max(self._gap_s, now - self._alive_at)
             self._alive_at = now
         is_asked = event in (UNKNOWN, DAMAGED) and find_transition(was, event).action == ASK
         is_pending = was == SEEKING and event == UNKNOWN and not self.is_bare
@@ -178,13 +182,17 @@ class SyncMonitor:
                 self._loop_s = max(self._loop_s, now - self._asked_at)
 
     def _learn_loop_time(self, now: float) -> None:
-        """Learn the duration of a loop iteration from a time request."""
+        """Learn the duration of a loop iteration from a time request.
+
+        The period is a whole number of iterations. None takes longer than the longest gap between
+        two frames.
+        """
         period, self._time_at = now - self._time_at, now
         if self.state != PROBING:
             self._loop_before_s = self._loop_s
         if self.state in (SYNCED, SILENT, PROBING) and period < math.inf:
             if period > TIME_EVERY_S + LATE_S + self._frame_s:
-                self._loop_s = period
+                self._loop_s = min(period, max(self._gap_s, now - self._alive_at))
             elif period > TIME_EVERY_S - LATE_S:
                 self._loop_s = 0.0
 

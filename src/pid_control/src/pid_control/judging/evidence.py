@@ -188,7 +188,7 @@ def _ignores_steps(held: Record, closed: Record) -> bool:
     for time, height in (one for one in steps if one[1] and one[0] > _SETTLED_S):
         near = [row.input for row in closed.between(time - _BEFORE_S, time + _AFTER_S)]
         is_same = max(near) - min(near) <= _LEAST_ANSWER * abs(height)
-        if not is_same or max(map(abs, near)) > _FREE * largest:
+        if not is_same or max(abs(value) for value in near) > _FREE * largest:
             return False
     return True
 

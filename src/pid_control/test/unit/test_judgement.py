@@ -620,6 +620,15 @@ def test_is_fatal_ordinary_flaw_is_false() -> None:
     assert is_fatal(Record(STEPS, ENDED), LIMITS)
 
 
+def test_is_fatal_loop_longer_than_its_period_is_true() -> None:
+    """All scenarios would take more than two minutes."""
+    held = play_one("held", pi())
+    for share, fatal in ((0.9, False), (1.1, True)):
+        record = held._replace(busy=share * held.scenario.duration)
+        assert is_fatal(record, LIMITS) is fatal
+        assert judge([record], LIMITS).flaws() == ["too slow"] * fatal
+
+
 def test_judge_no_limit_always_passes_and_float32_rounding_is_tolerated() -> None:
     record = play_one("windup", pi(anti_windup="none"))
     free = merged(LIMITS, {"windup": {"leave_time": None, "recovery_time": None}})

@@ -19,7 +19,15 @@ from pid_control.verdicts.judgement import (
 from pid_control.verdicts.limits import Limits
 
 #: Flaws that stop the judgement: the other scenarios would take too long, or prove nothing.
-_FATAL = ("flood", "restless", "machine clock", "endless output", "silent", "not connected")
+_FATAL = (
+    "not connected",
+    "silent",
+    "endless output",
+    "machine clock",
+    "flood",
+    "restless",
+    "too slow",
+)
 #: Flaws that a simulated clock may cause: a run by the machine's clock shows whether it does.
 _OF_CLOCK = ("machine clock", "division by 0")
 

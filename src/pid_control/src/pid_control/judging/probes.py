@@ -114,9 +114,11 @@ def is_ignored(answers: Answers, is_output: bool) -> bool:
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
     """
+    if not is_constant(answers, is_output):
+        return False
     first = first_change(answers)
-    if first == math.inf or not is_constant(answers, is_output):
-        return first == math.inf and is_constant(answers, is_output)
+    if first == math.inf:
+        return True
     least, largest = (pick(value for _, value in answers) for pick in (min, max))
     return first < begin_of(len(AMPLITUDES) - 1, is_output) and all(
         least + _NO_CHANGE < value < largest - _NO_CHANGE

@@ -104,7 +104,7 @@ UNITS = (
     "a correct controller in other units: its input is limited to ±{0}, the motor's to ±1; divide"
     " it by {0}"
 )
-NOT_BELOW = "the input is not limited below: keep it within -1 and 1"
+NOT_BELOW = "the input goes below -1: limit it"
 #: Evidence of a student's PI law without a fault.
 FAULTLESS = ControllerEvidence(True, True, law=Law(0.08, 1.5, LOOP_S))
 BOTH = ("above", "below")
@@ -241,7 +241,7 @@ def test_judge_a_fault_is_named_as_a_fact_and_no_other(
 def test_judge_constant_input_of_p_alone_is_no_limit() -> None:
     found = causes(judged(student(kp=0.2, ki=0.0, limit=math.inf)))
     assert {cause.flaw for cause in found} >= {"no clamp", "no integral"}
-    assert ("no clamp", "the input is not limited: keep it within -1 and 1") in found
+    assert ("no clamp", "the input leaves -1 to 1: limit it") in found
 
 
 def test_judge_output_is_not_ignored_by_a_law_that_is_limited_while_the_set_point_is_0() -> None:

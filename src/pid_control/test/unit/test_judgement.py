@@ -258,7 +258,7 @@ SENTENCES = {
     "too seldom": "it answers too seldom: its loop is far slower than 100 Hz",
     "too slow": "one loop iteration takes longer than its period",
     "unexplained": "the input hardly depends on the error",
-    "no clamp": "the input is not limited: keep it within -1 and 1",
+    "no clamp": "the input leaves -1 to 1: limit it",
     "windup or delay": "the input leaves its limit late: one of: the integral grows while the"
     " output is limited, or the answer is delayed",
     "interval": "the integral grows at another rate in a slow loop: one of: dt is a constant, or"
@@ -368,14 +368,14 @@ WINDUP = ("windup", "the integral keeps growing while the output is limited; sto
             "steps",
             "peak_input",
             "no clamp",
-            "the input is not limited: keep it within -1 and 1",
+            "the input leaves -1 to 1: limit it",
         ),
         (
             MEASURED._replace(beyond=("above",)),
             "steps",
             "peak_input",
             "no clamp",
-            "the input is not limited above: keep it within -1 and 1",
+            "the input goes above 1: limit it",
         ),
         (
             MEASURED._replace(beyond=("below",), own_limit=2.5),

@@ -84,6 +84,8 @@ _MACHINE_CLOCK = Cause(
     "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
     " (rospy.get_time(), rospy.Rate): judge it with --real-time",
 )
+#: Its sides beyond ±1, in words.
+_BEYOND = {("above",): "goes above 1", ("below",): "goes below -1"}
 _FLOOD_CAUSE = Cause("flood", "it sends without a pause: a loop without rospy.Rate")
 _RESTLESS_CAUSE = Cause("restless", "it computes without a pause: a loop without rospy.Rate")
 _SELDOM = Cause("too seldom", "it answers too seldom: its loop is far slower than 100 Hz")
@@ -209,8 +211,8 @@ def _limit_cause(
     if metric == "peak_input" and evidence.was_measured and not evidence.beyond:
         return Cause("no clamp", "the input is within -1 and 1, but beyond the limit for it")
     if metric == "peak_input":
-        side = f" {evidence.beyond[0]}" if len(evidence.beyond) == 1 else ""
-        return Cause("no clamp", f"the input is not limited{side}: keep it within -1 and 1")
+        what = _BEYOND.get(evidence.beyond, "leaves -1 to 1")
+        return Cause("no clamp", f"the input {what}: limit it")
     if scenario == "nan" and metric in ("not_finite", "recovery_time") and _keeps_nan(figures):
         what = "NaN stays in its state: ignore such messages"
         return Cause("nan", what)

@@ -445,9 +445,30 @@ def test_package_environment_forgets_the_paths_that_roslaunch_keeps(
     for package, paths in (("/anna", f"/anna{os.pathsep}/x"), ("", "/x")):
         with package_environment(package, {"ROS_PACKAGE_PATH": "/x", "FROM": "it"}):
             assert (os.environ["ROS_PACKAGE_PATH"], os.environ["FROM"]) == (paths, "it")
-            assert "CMAKE_PREFIX_PATH" not in os.environ and substitution_args._rospack is None
+            assert ("CMAKE_PREFIX_PATH" in os.environ) == (not package)
+            assert substitution_args._rospack is None
             substitution_args._rospack = "of this one"
         assert os.environ == before and substitution_args._rospack is None
+
+
+def test_find_controller_of_a_launch_file_is_of_the_package_around_it(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    """A teacher has a package with the course's name, too."""
+    for folder in ("student", "teacher"):
+        (tmp_path / folder).mkdir()
+        package_with_launch_file(tmp_path / folder, LAUNCH)
+    built = tmp_path / "devel" / "lib" / "anna"
+    built.mkdir(parents=True)
+    (built / "controller.py").write_bytes(STARTS)
+    (built / "controller.py").chmod(0o755)
+    (tmp_path / "student" / "config" / "gains.yaml").write_text("{kp: 3.0}\n")
+    launch = tmp_path / "student" / "launch" / "loop.launch"
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", str(tmp_path / "devel"), prepend=os.pathsep)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "teacher"), prepend=os.pathsep)
+    command = find_controller([str(launch)], "mine")
+    assert command.parameters["/kp"] == 3.0
+    assert command.argv[0] == str(tmp_path / "student" / "scripts" / "controller.py")
 
 
 def test_find_controller_program_keeps_its_arguments(tmp_path: pathlib.Path) -> None:

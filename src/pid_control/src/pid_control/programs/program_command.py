@@ -15,6 +15,7 @@ from rosgraph.names import get_ros_namespace, ns_join
 from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
 
+from pid_control.programs.package_messages import package_name
 from pid_control.programs.python_program import start_words
 
 #: Timeout for reading the environment of a workspace [s].
@@ -73,7 +74,7 @@ def find_controller(
     if path.endswith(".launch"):
         if launch is not None:
             raise CommandError(f"--launch: only valid with a program ({path})")
-        found = _command_of_launch_file(path, arguments, node, environment)
+        found = _command_of_launch_file(path, arguments, node, environment, package)
         return found._replace(package=package)
     if node is not None:
         raise CommandError(f"--node: only valid with a launch file ({path})")
@@ -149,15 +150,17 @@ def _launch_files(package: str, path: str) -> List[str]:
 
 @contextlib.contextmanager
 def package_environment(package: str, environment: Mapping[str, str]) -> Iterator[None]:
-    """Set a program's environment, with its package first among the packages, for $(find …).
+    """Set a program's environment, in which $(find …) finds its package, not one of the same name.
 
     :param package: folder of the package; empty without one
     :param environment: environment variables of the program
     """
     before = dict(os.environ)
-    paths = [package, environment.get("ROS_PACKAGE_PATH", "")]
-    os.environ.update(environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
-    os.environ.pop("CMAKE_PREFIX_PATH", None)  # its workspaces would come before these paths
+    os.environ.update(environment)
+    if package and not _is_found(package, environment):
+        paths = [package, environment.get("ROS_PACKAGE_PATH", "")]
+        os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(filter(None, paths))
+        os.environ.pop("CMAKE_PREFIX_PATH", None)  # its workspaces would come before these paths
     roslaunch.substitution_args._rospack = None  # it keeps the paths of its first use
     try:
         yield
@@ -165,6 +168,13 @@ def package_environment(package: str, environment: Mapping[str, str]) -> Iterato
         os.environ.clear()
         os.environ.update(before)
         roslaunch.substitution_args._rospack = None
+
+
+def _is_found(package: str, environment: Mapping[str, str]) -> bool:
+    with contextlib.suppress(rospkg.ResourceNotFound):
+        places = rospkg.RosPack(rospkg.get_ros_paths(env=dict(environment)))
+        return os.path.samefile(places.get_path(package_name(package)), package)
+    return False
 
 
 def load_launch_file(path: str, arguments: Sequence[str]) -> Any:
@@ -295,24 +305,23 @@ def workspace_environment(workspace: str) -> Dict[str, str]:
 
 
 def _command_of_launch_file(
-    path: str, arguments: List[str], wanted: Optional[str], environment: Dict[str, str]
+    path: str,
+    arguments: List[str],
+    wanted: Optional[str],
+    environment: Dict[str, str],
+    package: str,
 ) -> ProgramCommand:
-    # $(find …) uses this process's environment.
-    before = dict(os.environ)
-    os.environ.update(environment)
     try:
-        config = load_launch_file(path, arguments)
-        node = _choose(config.nodes, wanted, path)
-        _connect_to_judge(node)
-        command = create_local_process_args(node, local_machine(), environment)
-        variables = setup_env(node, local_machine(), "", environment)
+        with package_environment(package, environment):
+            config = load_launch_file(path, arguments)
+            node = _choose(config.nodes, wanted, path)
+            _connect_to_judge(node)
+            command = create_local_process_args(node, local_machine(), dict(os.environ))
+            variables = setup_env(node, local_machine(), "", environment)
     except CommandError:
         raise
     except Exception as error:  # of any type: $(eval …) runs the student's code
         raise CommandError(f"{path}: {error}") from None
-    finally:
-        os.environ.clear()
-        os.environ.update(before)
     start, notes = start_words(command[0], variables)
     parameters, of_others = _split_parameters(config, node)
     name, command = f"{path} {_name(node)}", [*start, *command[1:]]

@@ -302,6 +302,26 @@ def test_find_controller_of_launch_file_starts_python_node(
     assert command.notes == [f"{program}: {problem}; started with python3"]
 
 
+def test_find_controller_of_launch_file_starts_a_script_that_is_not_executable(
+    tmp_path: pathlib.Path,
+) -> None:
+    remap = '<remap from="set_point" to="wanted"/>'
+    node = '<node pkg="anna" type="{}" name="mine" args="--fast">%s</node>' % remap
+    program = package_with_launch_file(tmp_path, f"<launch>{node.format('controller.py')}</launch>")
+    program.chmod(0o644)
+    launch = tmp_path / "launch" / "loop.launch"
+    command = find_controller([str(launch)])
+    words = ["--fast", "set_point:=wanted", "__name:=mine"]
+    assert command.argv == [sys.executable, str(program), *words]
+    assert command.notes[0] == f"{program}: not executable; started with python3"
+    program.write_bytes(b"\x7fELF")
+    with pytest.raises(CommandError, match=f"^{program} is not executable: chmod \\+x {program}$"):
+        find_controller([str(launch)])
+    launch.write_text(f"<launch>{node.format('controler.py')}</launch>")
+    with pytest.raises(CommandError, match=r"not found in the package anna .*mean controller\.py"):
+        find_controller([str(launch)])
+
+
 def test_workspace_environment_is_that_of_devel_and_a_script_that_hangs_is_named(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

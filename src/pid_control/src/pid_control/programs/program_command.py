@@ -13,7 +13,7 @@ import roslaunch.xmlloader
 import rospkg
 from rosgraph.names import get_ros_namespace, ns_join
 from roslaunch.core import Node, local_machine, setup_env
-from roslaunch.node_args import create_local_process_args
+from roslaunch.node_args import NodeParamsException, create_local_process_args
 
 from pid_control.programs.package_messages import package_name
 from pid_control.programs.python_program import start_words
@@ -316,7 +316,7 @@ def _command_of_launch_file(
             config = load_launch_file(path, arguments)
             node = _choose(config.nodes, wanted, path)
             _connect_to_judge(node)
-            command = create_local_process_args(node, local_machine(), dict(os.environ))
+            command = _words_of(node)
             variables = setup_env(node, local_machine(), "", environment)
     except CommandError:
         raise
@@ -326,6 +326,17 @@ def _command_of_launch_file(
     parameters, of_others = _split_parameters(config, node)
     name, command = f"{path} {_name(node)}", [*start, *command[1:]]
     return ProgramCommand(name, command, variables, parameters, of_others, notes)
+
+
+def _words_of(node: Node) -> List[str]:
+    """Return the words that start a node of a launch file; its program need not be executable."""
+    environment = dict(os.environ)
+    with contextlib.suppress(NodeParamsException):
+        return list(create_local_process_args(node, local_machine(), environment))
+    path, _ = _path([node.package, node.type], environment)
+    _start(path, environment)  # only a Python script can be started
+    remappings = [f"{old}:={new}" for old, new in node.remap_args]
+    return [path, *shlex.split(node.args or ""), *remappings, f"__name:={node.name}"]
 
 
 def _connect_to_judge(node: Node) -> None:

@@ -179,6 +179,25 @@ def test_compression_is_read_in_any_case_and_must_be_known(tmp_path: Path) -> No
         open_bag(str(path))
 
 
+def test_compressed_messages_are_read_without_metadata_but_for_broken_ones(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3", "MESSAGE"))
+    with open_bag(str(path)) as bag:
+        whole = told_of(bag)
+    (path / "metadata.yaml").unlink()
+    (file,) = path.glob("*.db3")
+    with open_bag(str(file)) as bag:
+        assert told_of(bag) == whole
+    with sqlite3.connect(str(file)) as database:
+        broken = "UPDATE messages SET data = substr(data, 1, 9) WHERE timestamp = ?"
+        database.execute(broken, [BEGIN + 10**8])
+    with open_bag(str(file)) as bag:
+        found = told_of(bag)
+        assert found["/odd"] == whole["/odd"]
+        assert found["/x"] == [whole["/x"][0], (10**8, b""), *whole["/x"][2:]]
+        (note,) = bag.notes
+    assert "/x: messages that do not fit their definition are left out: it cannot be decom" in note
+
+
 def test_bad_definition_affects_only_its_topic(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4)))
     (file,) = path.glob("*.mcap")

@@ -9,7 +9,7 @@ import hashlib
 import itertools
 import os
 import pathlib
-from typing import Any, Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Set, Tuple
+from typing import Any, Collection, Dict, Iterable, Iterator, List, Mapping, Set, Tuple
 
 import numpy
 import yaml
@@ -24,6 +24,8 @@ _SPAN_BYTES, _SPAN_MESSAGES = 4 * 2**20, 4000
 _FIRST_MESSAGES = 1000
 #: Replacement for an unreadable message: a message that is cut off.
 _CUT_OFF = b""
+#: First bytes of data that is compressed by zstd: RFC 8878, section 3.1.1.
+_ZSTD = b"\x28\xb5\x2f\xfd"
 
 
 class Ros2Recording(Recording):
@@ -47,7 +49,7 @@ class Ros2Recording(Recording):
                 f"{rosbags_library.COMMAND}"
             ) from None
         self._metadata = _metadata(path)
-        self._decompress = _decompression(path, self._metadata)
+        _check_compression(path, self._metadata)
         self._readers: List[Any] = []
         self._sources: Dict[int, Tuple[Any, Any]] = {}
         self._numbers: Dict[Tuple[int, int], int] = {}
@@ -129,7 +131,7 @@ class Ros2Recording(Recording):
                     some = itertools.islice(reader.messages([source]), _FIRST_MESSAGES)
                     for _, _, data in some:
                         try:
-                            found[number] = self._types[number].to_ros1(self._decompress(data))
+                            found[number] = self._types[number].to_ros1(_decompressed(data))
                             break
                         except TypeProblem as error:
                             problem = f"no early message fits its definition: {error}"
@@ -189,7 +191,7 @@ class Ros2Recording(Recording):
 
     def _converted(self, connection: int, data: bytes) -> bytes:
         try:
-            return self._types[connection].to_ros1(self._decompress(data))
+            return self._types[connection].to_ros1(_decompressed(data))
         except TypeProblem as problem:
             topic = self.connections[connection].topic
             if topic not in self._misfits:
@@ -244,20 +246,35 @@ def _text(metadata: Mapping[str, Any], name: str) -> str:
     return value if isinstance(value, str) else ""
 
 
-def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], bytes]:
-    """Return the function that decompresses a message."""
+def _check_compression(path: str, metadata: Mapping[str, Any]) -> None:
+    """Reject a compression other than none, or zstd for each message.
+
+    :raises BagError: if the compression is another one
+    """
     mode = _text(metadata, "compression_mode").lower() or "none"
-    if mode == "none":
-        return bytes
     form = _text(metadata, "compression_format")
-    if mode != "message" or form != "zstd":
+    if mode != "none" and (mode != "message" or form != "zstd"):
         raise BagError(
             f"{path}: its files are compressed by {form}; convert it by: ros2 bag convert"
         )
+
+
+def _decompressed(data: bytes) -> bytes:
+    """Return the bytes of a message, decompressed if its first bytes say so: CDR begins with 0.
+
+    Thus a file is read without its ``metadata.yaml``, too.
+
+    :raises TypeProblem: if it cannot be decompressed
+    """
+    if data[:4] != _ZSTD:
+        return data
     from rosbags.rosbag2.storage_mcap import zstd
 
-    unpack: Callable[[bytes], bytes] = zstd.decompress
-    return unpack
+    try:
+        unpacked: bytes = zstd.decompress(data)
+    except Exception as error:  # of a type of its own in each version of Python
+        raise TypeProblem(f"it cannot be decompressed: {error}") from error
+    return unpacked
 
 
 def _chunks(reader: Any) -> Any:

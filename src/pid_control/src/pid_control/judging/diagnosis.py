@@ -85,7 +85,7 @@ _MACHINE_CLOCK = Cause(
     " (rospy.get_time(), rospy.Rate): judge it with --real-time",
 )
 #: Its sides beyond ±1, in words.
-_BEYOND = {("above",): "goes above 1", ("below",): "goes below -1"}
+_BEYOND: Dict[Tuple[str, ...], str] = {("above",): "goes above 1", ("below",): "goes below -1"}
 _FLOOD_CAUSE = Cause("flood", "it sends without a pause: a loop without rospy.Rate")
 _RESTLESS_CAUSE = Cause("restless", "it computes without a pause: a loop without rospy.Rate")
 _SELDOM = Cause("too seldom", "it answers too seldom: its loop is far slower than 100 Hz")

@@ -466,12 +466,17 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=29.0)
 
     def test_valid_and_invalid_changes_are_reported_in_order(self) -> None:
-        live = self.start()
+        live, onlooker = self.start(), self.look_on()
         self.warnings.setLevel(logging.INFO)
 
         def set_both() -> None:
             self.user.set(self.level, 5.0)
             self.user.set(self.level, -1.0)
+            # The next read could come before the notifications, and see the last value alone.
+            told = [("level", 5.0), ("level", -1.0)]
+            wait_until(
+                lambda: onlooker.watched.pushed == told, lambda: str(onlooker.watched.pushed)
+            )
 
         self.server.after_read = set_both
         self.watcher.wake()

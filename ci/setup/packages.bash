@@ -69,7 +69,7 @@ as_root() { # COMMAND…
 patience=40
 
 refuse_without_network() { # PACKAGE…
-    local uri give_up=$((SECONDS + patience))
+    local uri left give_up=$((SECONDS + patience))
     local -a uris
     : >"$state/log"
     mapfile -t uris < <(archive_uris)
@@ -82,8 +82,9 @@ refuse_without_network() { # PACKAGE…
         return 0
     fi
     for uri in "${uris[@]}"; do
-        [ "$SECONDS" -lt "$give_up" ] || break
-        if PATH=$PATH:/usr/lib/apt timeout $((give_up - SECONDS)) apt-helper -o Acquire::Retries=0 \
+        left=$((give_up - SECONDS)) # computed once: timeout takes 0 as no limit
+        [ "$left" -gt 0 ] || break
+        if PATH=$PATH:/usr/lib/apt timeout "$left" apt-helper -o Acquire::Retries=0 \
             -o Acquire::http::Timeout=15 -o Acquire::https::Timeout=15 \
             download-file "$uri" "$state/InRelease" >>"$state/log" 2>&1; then
             rm -f "$state/InRelease"

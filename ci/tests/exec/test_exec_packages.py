@@ -158,6 +158,18 @@ def test_an_archive_that_never_answers_is_given_up(workspace: Workspace) -> None
     assert time.monotonic() - began < 50.0
 
 
+def test_last_archive_is_asked_with_a_time_limit(workspace: Workspace) -> None:
+    log = workspace.pretend_packages(LISTED)
+    # For timeout, 0 is no limit. Each check takes a second.
+    check = 'builtin [ "$@"; set -- $?; [[ ${FUNCNAME[1]} != refuse_* ]] || ((SECONDS += 1))'
+    workspace.fakes["["] = f"{check}; return $1"
+    workspace.fakes["timeout"] = f"echo $1 >> '{log}'; false"
+    workspace.patch("packages.bash", "patience=40\n", "patience=3\n")
+    assert workspace.run("true").returncode == 125
+    limits = log.read_text().split()
+    assert limits and "0" not in limits
+
+
 def test_downloaded_packages_need_no_network(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
     workspace.fakes["apt-helper"] = "false"
@@ -221,8 +233,10 @@ def test_installation_without_effect_fails(workspace: Workspace) -> None:
 
 
 def test_long_installation_shows_progress_on_a_terminal(workspace: Workspace) -> None:
-    workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
-    workspace.fakes["apt-get"] += '; [[ $1 != install ]] || { echo "Unpacking two"; sleep 0.5; }'
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    shown = log.parent / "shown"
+    until = f"until [ -e '{shown}' ] || [ $SECONDS -gt 120 ]; do sleep 0.05; done"
+    workspace.fakes["apt-get"] += f'; [[ $1 != install ]] || {{ echo "Unpacking two"; {until}; }}'
     workspace.patch("setup.bash", "every=5\n", "every=0.1\n")
     terminal, child_side = pty.openpty()
     process = subprocess.Popen(
@@ -236,9 +250,11 @@ def test_long_installation_shows_progress_on_a_terminal(workspace: Workspace) ->
     with contextlib.suppress(OSError):  # the other side is closed
         while True:
             seen += os.read(terminal, 4096)
+            if b" s: Unpacking two" in seen:
+                shown.touch()
     os.close(terminal)
     assert process.wait(60) == 0
-    assert b" s: Unpacking two" in seen
+    assert shown.exists(), seen
 
 
 def test_without_a_terminal_it_shows_no_progress(workspace: Workspace) -> None:

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import textwrap
 import time
-from typing import List
+from typing import List, Set
 
 import pytest
 
@@ -38,7 +38,6 @@ SUITES = tuple(RELEASES)
 RUNS = sorted(
     ["test", *len(SUITES) * 7 * ["clean-room"], *len(SUITES) * ["deb"], "container"],
 )
-TODAY = datetime.date.today().isoformat()
 
 
 class Copy:
@@ -46,6 +45,8 @@ class Copy:
 
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
+        #: Days on which ci/release was running.
+        self.days: Set[str] = set()
         self.journal = root.parent / "journal"
         for name in (
             "release",
@@ -108,13 +109,16 @@ class Copy:
 
     def release(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
         """Run ci/release."""
-        return subprocess.run(
+        began = datetime.date.today()
+        done = subprocess.run(
             [str(self.root / "ci" / "release"), *arguments],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             universal_newlines=True,
-            timeout=60,
+            timeout=300,
         )
+        self.days = {day.isoformat() for day in (began, datetime.date.today())}
+        return done
 
 
 @pytest.fixture
@@ -129,7 +133,9 @@ def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> Copy:
 def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     done = copy.release("1.2.0")
     assert done.returncode == 0, done.stderr
-    heading = f"1.2.0 ({TODAY})\n------------------\n"
+    (day,) = re.findall(r"^1\.2\.0 \((.*)\)$", copy.read("src/one/CHANGELOG.rst"), re.MULTILINE)
+    assert day in copy.days
+    heading = f"1.2.0 ({day})\n------------------\n"
     assert copy.read("src/one/CHANGELOG.rst").startswith(f"{TITLE}{heading}* Add it.\n\n0.9.0 (")
     # An unchanged package gets the version too.
     assert copy.read("src/two/CHANGELOG.rst").startswith(f"{TITLE}{heading}\n0.9.0 (")
@@ -291,7 +297,8 @@ def test_dry_run_prints_and_changes_nothing(copy: Copy) -> None:
     done = copy.release("--dry-run", "1.2.0")
     assert done.returncode == 0, done.stderr
     assert "+  <version>1.2.0</version>" in done.stdout
-    assert f"-Forthcoming\n------------\n+1.2.0 ({TODAY})" in done.stdout
+    heading = "-Forthcoming\n------------\n+1.2.0 ({})"
+    assert any(heading.format(day) in done.stdout for day in copy.days)
     assert all(f"would run ./ci/{name}" in done.stdout for name in CHECKS)
     assert copy.state() == before and not copy.journal.exists()
 

@@ -21,7 +21,7 @@ def launched(user: Dict[str, str]) -> Iterator["subprocess.Popen[bytes]"]:
     launch = subprocess.Popen(["bash", "-c", run], env=user, start_new_session=True)
     yield launch
     os.killpg(launch.pid, signal.SIGINT)
-    launch.wait(timeout=60)
+    launch.wait(timeout=300)
 
 
 def test_the_course_runs(launched: "subprocess.Popen[bytes]", user: Dict[str, str]) -> None:
@@ -31,11 +31,11 @@ def test_the_course_runs(launched: "subprocess.Popen[bytes]", user: Dict[str, st
 
     wait_for_master(launched)
     heard = subprocess.check_output(
-        within("rostopic", "echo", "-n", "1", "/proc_signal"), env=user, timeout=60
+        within("rostopic", "echo", "-n", "1", "/proc_signal"), env=user, timeout=300
     )
     assert heard.startswith(b"data: ")
     described = subprocess.check_output(
-        within("rosrun", "nodekit", "describe", "/process"), env=user, timeout=60
+        within("rosrun", "nodekit", "describe", "/process"), env=user, timeout=300
     )
     assert b"amplitude_scale" in described
 

@@ -76,7 +76,10 @@ def test_a_terminal_takes_one_command_at_a_time() -> None:
 
 def test_interrupting_what_has_ended_or_never_began_is_wrong() -> None:
     assert_wrong(
-        TERMINAL % "$ echo done\ndone" + CONSOLE % "$ sleep 0.2" + TERMINAL % "^C", "ended"
+        TERMINAL % "$ echo $$ >~/pid; echo done\ndone"
+        + CONSOLE % "$ while grep -qs ') [^Z]' /proc/$(cat ~/pid)/stat; do sleep 0.05; done"
+        + TERMINAL % "^C",
+        "ended",
     )
     assert_wrong(TERMINAL % "^C", "nothing was started")
     assert_wrong(CONSOLE % "^C", "outside of a terminal")

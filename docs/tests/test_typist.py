@@ -81,11 +81,12 @@ def test_a_wrong_line(typist: Typist, command: str, reason: str) -> None:
         ("rostopic pub /missing std_msgs/String hello", "does not come up"),
     ],
 )
-def test_a_line_that_has_no_effect(typist: Typist, command: str, reason: str) -> None:
-    typist.timeout = 1.0
+def test_a_line_that_has_no_effect(
+    typist: Typist, monkeypatch: pytest.MonkeyPatch, command: str, reason: str
+) -> None:
+    monkeypatch.setattr(typist, "timeout", 1.0)
     with pytest.raises(AssertionError, match=reason):
         typist.type(command)
-    typist.timeout = 40.0
 
 
 @pytest.mark.parametrize(
@@ -97,15 +98,14 @@ def test_a_line_that_has_no_effect(typist: Typist, command: str, reason: str) ->
     ],
 )
 def test_value_that_the_node_treats_otherwise_than_the_page_says(
-    typist: Typist, command: str, reason: str
+    typist: Typist, monkeypatch: pytest.MonkeyPatch, command: str, reason: str
 ) -> None:
     typist.type(
         "env " + command.partition("#")[0]
     )  # may take its time: only the node's reaction is waited for
-    typist.timeout = 1.0
+    monkeypatch.setattr(typist, "timeout", 1.0)
     with pytest.raises(AssertionError, match=reason):
         typist.check_parameter(command)
-    typist.timeout = 40.0
 
 
 @pytest.mark.parametrize(

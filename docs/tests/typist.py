@@ -85,7 +85,7 @@ class Typist:
     :param timeout: how long one command may take to do what it shall, s
     """
 
-    def __init__(self, python: WarmPython, timeout: float = 40.0) -> None:
+    def __init__(self, python: WarmPython, timeout: float = 100.0) -> None:
         self._python = python
         #: How long to wait, as above.
         self.timeout = timeout

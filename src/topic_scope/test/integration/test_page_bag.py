@@ -7,7 +7,7 @@ import re
 import signal
 import tempfile
 import unittest
-from typing import Any, Dict
+from typing import Any, Dict, List
 from unittest import mock
 
 import genpy
@@ -270,12 +270,12 @@ class Bag(unittest.TestCase):
         self.assertFalse(browser.find("#image").is_displayed())
         browser.choose("#image-topic", "/camera")
         self.wait_text(browser, "#image-text", "22:13:24.950 UTC, 40 × 30, rgb8")
-        self.assertEqual(self.pixel(browser), [50, 100, 200])
+        self.wait_pixel(browser, [50, 100, 200])
         # Cursor A, at 35 % of the 5 s.
         browser.press("#cursors")
         self.wait_text(browser, "#image-text", "22:13:21.7")
         self.wait_text(browser, "#image-text", " s before cursor A, 40 × 30, rgb8")
-        self.assertEqual(self.pixel(browser), [18, 100, 200])
+        self.wait_pixel(browser, [18, 100, 200])
         browser.press("#cursors")
         # The newest while it plays.
         browser.press("#playback-run")
@@ -334,6 +334,10 @@ class Bag(unittest.TestCase):
         error = page.wait_for("error")["text"]
         self.assertIn("/odom has no separate clock; topics with one: /signal", error)
         self.assertEqual(browser.errors(), [])
+
+    def wait_pixel(self, browser: Browser, colour: List[int]) -> None:
+        """Wait until the image has a colour: it is decoded after its text is shown."""
+        wait_until(lambda: self.pixel(browser) == colour, lambda: self.pixel(browser))
 
     def pixel(self, browser: Browser) -> Any:
         """Return red, green and blue of a pixel in the middle of the image."""

@@ -17,7 +17,7 @@ from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 def describe(*arguments: str) -> "subprocess.CompletedProcess[str]":
@@ -74,11 +74,11 @@ class Description(unittest.TestCase):
         def agree(value: float) -> None:
             wait_until(
                 lambda: (
-                    client.get_configuration(1.0)["amplitude"] == value
+                    client.get_configuration(TIMEOUT_S)["amplitude"] == value
                     and rospy.get_param("/generator/amplitude") == value
                 ),
                 lambda: (
-                    f"{client.get_configuration(1.0)} and {rospy.get_param('/generator')}, "
+                    f"{client.get_configuration(TIMEOUT_S)} and {rospy.get_param('/generator')}, "
                     f"not {value}"
                 ),
             )

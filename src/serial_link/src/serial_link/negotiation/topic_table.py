@@ -51,8 +51,8 @@ class TopicTable:
     without an announcement are removed. After a damaged round all known topics are kept, and
     another round fills the gaps. On a line that damages one byte in a hundred, one announcement in
     900 is wrong despite valid checksums. So once any damage has occurred, each topic needs two
-    equal announcements, and a single different one does not replace it. The same holds for an
-    invalid topic, because a single announcement may be damaged. Time is an argument [s].
+    equal announcements, and only two equal ones replace it. The same holds for an invalid topic,
+    because a single announcement may be damaged. Time is an argument [s].
 
     :param frame_s: time on the line of a frame that announces a topic [s]
     """
@@ -64,9 +64,9 @@ class TopicTable:
         #: Cache of :meth:`incoming`: topics and services of the board by topic id.
         self._incoming: Dict[int, Endpoint] = {}
         self._seen: Set[Tuple[int, int]] = set()
-        #: Announced only once, or differently the last time.
+        #: Announced only once.
         self._unconfirmed: Set[Tuple[int, int]] = set()
-        #: Announced only once, and invalid.
+        #: Announced only once, and either invalid or different from a known topic.
         self._suspects: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._ends_at: Optional[float] = None
         self._is_damaged = self._is_noisy = self._is_final = False
@@ -117,11 +117,11 @@ class TopicTable:
         entry = self._infos.get(key)
         if entry == (info_id, info):
             self._unconfirmed.discard(key)
-        elif problem_of(info):
+            self._suspects.pop(key, None)
+        elif problem_of(info) or (entry is not None and self._is_noisy):
             self._add_suspect(key, (info_id, info))
         else:
-            if entry is None or key in self._unconfirmed or not self._is_noisy:
-                self._infos[key] = (info_id, info)
+            self._infos[key] = (info_id, info)
             self._unconfirmed.add(key)
         self._seen.add(key)
         self._ends_at = now + self._settled_s
@@ -130,6 +130,7 @@ class TopicTable:
     def _add_suspect(self, key: Tuple[int, int], entry: Tuple[int, TopicInfo]) -> None:
         if self._suspects.get(key) == entry:
             self._infos[key] = self._suspects.pop(key)
+            self._unconfirmed.discard(key)
         else:
             self._suspects[key] = entry
             self.mark_damaged()

@@ -242,9 +242,12 @@ def test_longest_lifespan_of_a_topic_counts(opened, connect, monkeypatch):
     assert receive(connect(publisher)).data == "early"
 
 
-def test_subscriber_that_was_sent_a_message_is_not_sent_it_again(opened, connect, monkeypatch):
+@pytest.mark.parametrize("kept", [{"lifespan": 60.0}, {"latch": True}])
+def test_subscriber_that_was_sent_a_message_is_not_sent_it_again(
+    opened, connect, monkeypatch, kept
+):
     monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
-    publisher = opened(String, lifespan=60.0)
+    publisher = opened(String, **kept)
     add_connection = rospy.topics._TopicImpl.add_connection
 
     def add_and_publish(topic, connection):
@@ -255,6 +258,23 @@ def test_subscriber_that_was_sent_a_message_is_not_sent_it_again(opened, connect
     subscriber = connect(publisher)
     publisher.publish(String("next"))
     assert [receive(subscriber).data for _ in range(2)] == ["once", "next"]
+
+
+@pytest.mark.parametrize("kept", [{"lifespan": 60.0}, {"latch": True}])
+def test_subscriber_that_is_only_counted_while_it_connects_is_sent_the_last_message(
+    opened, connect, monkeypatch, kept
+):
+    monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
+    publisher = opened(String, **kept)
+    publisher.publish(String("early"))
+    add_connection = rospy.topics._TopicImpl.add_connection
+
+    def add_and_count(topic, connection):
+        add_connection(topic, connection)
+        assert len(publisher.statistics()) == 1
+
+    monkeypatch.setattr(rospy.topics._TopicImpl, "add_connection", add_and_count)
+    assert receive(connect(publisher)).data == "early"
 
 
 def test_small_messages_are_not_held_back(opened):

@@ -159,9 +159,11 @@ class OutgoingTopic(_Topic):
 
     def add_connection(self, c: Any) -> bool:
         """Add a subscriber; send it the last message if latched or within its lifespan."""
-        added = bool(super().add_connection(c))
-        with self._lock:  # it may have received a newer message by now
-            if c not in self._links and time.monotonic() < self._last_expires:
+        added = bool(super().add_connection(c))  # which publishes what is latched
+        with self._lock:
+            self._update_links()
+            is_new = c in self._links and not self._links[c].has_messages
+            if is_new and time.monotonic() < self._last_expires:
                 self.publish(self._last, c)
             for message in self._latched:
                 self.publish(message, c)
@@ -202,7 +204,8 @@ class OutgoingTopic(_Topic):
         with self._lock:
             self._update_links()
             link = self._links.get(connection_override)
-            if link is not None:
+            # While it connected, it may have been sent what is latched, or a newer message.
+            if link is not None and not (message is self.latch and link.has_messages):
                 deliver(_joined(self._serialize(message)), [link])
 
     def publish_all(self, messages: Sequence[Any]) -> None:

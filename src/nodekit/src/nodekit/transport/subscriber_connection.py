@@ -152,6 +152,11 @@ class SubscriberConnection:
         self._probation_ends = 0.0
         self._reports = LossReports()
 
+    @property
+    def has_messages(self) -> bool:
+        """Whether any message was sent, is held, or was lost."""
+        return bool(self.sent or self.held or self.lost)
+
     def close(self) -> None:
         """Close the connection, which may be closed already."""
         self._socket.close()

@@ -44,6 +44,7 @@ from nodekit.actions import goal_list
 from nodekit.node import action_server
 from nodekit.node.names import Names
 from nodekit.process.run import init_node
+from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import extended, rosrun
@@ -97,6 +98,9 @@ class Server(Actions):
         client = actionlib.ActionClient(f"{self.space}/test", TestAction)
         self.addCleanup(client.stop)
         self.assertTrue(client.wait_for_server(rospy.Duration(TIMEOUT_S)))
+        graph, process = Graph(), rospy.get_name()
+        for part in ("feedback", "result"):  # to which it may still be connecting
+            graph.wait_until_heard(process, f"{self.space}/test/{part}", process)
         return client
 
     def ended(self, goal: Any, state: int) -> Tuple[int, str]:
@@ -450,6 +454,7 @@ class Client(Actions):
         self.assertEqual(ends[REJECT], (GoalState.REJECTED, "not this one", TestResult(REJECT)))
 
     def test_handles_of_simultaneous_goals(self) -> None:
+        self.assertTrue(self.client.wait_for_server(TIMEOUT_S))
         first, second = (self.client.send_goal_async(TestGoal(RUN)).result() for _ in range(2))
         rejected = self.client.send_goal_async(TestGoal(REJECT)).result()
         self.assertEqual((first.accepted, rejected.accepted), (True, False))
@@ -468,8 +473,13 @@ class Client(Actions):
         status = MessageRecorder(f"{self.space}/test/result", TestActionResult)
         self.addCleanup(status.close)
         wait_until(status.publishers, lambda: "not connected")
-        with self.assertRaisesRegex(GoalTimeout, "no result within 0.5 s: the goal is cancelled"):
-            self.client.send_goal(TestGoal(RUN), 0.5)
+
+        def is_accepted_and_has_no_result() -> bool:  # a busy server may accept it too late
+            with self.assertRaises(GoalTimeout) as caught:
+                self.client.send_goal(TestGoal(RUN), 0.5)
+            return "no result within 0.5 s: the goal is cancelled" in str(caught.exception)
+
+        wait_until(is_accepted_and_has_no_result, lambda: "no goal is accepted")
         status.wait_for(lambda message: message.status.status == GoalState.PREEMPTED)
         with self.assertRaisesRegex(GoalTimeout, "no answer of a server within 0.3 s"):
             self.client.send_goal_async(TestGoal(PEND), timeout=0.3).result()
@@ -485,6 +495,7 @@ class Client(Actions):
 
     @extended
     def test_server_that_dies_loses_its_goals(self) -> None:
+        self.assertTrue(self.client.wait_for_server(TIMEOUT_S))
         handle = self.client.send_goal_async(TestGoal(RUN)).result()
         future = handle.get_result_async(LONG_S)
         self.server.end()
@@ -495,6 +506,7 @@ class Client(Actions):
 
     @extended
     def test_server_that_starts_again_has_lost_its_goals(self) -> None:
+        self.assertTrue(self.client.wait_for_server(TIMEOUT_S))
         handle = self.client.send_goal_async(TestGoal(RUN)).result()
         future = handle.get_result_async(LONG_S)
         self.server.end()
@@ -531,6 +543,7 @@ class Client(Actions):
         wait_until(lambda: inside == [True, True], lambda: str(inside))
 
     def test_closing_cancels_the_goals(self) -> None:
+        self.assertTrue(self.client.wait_for_server(TIMEOUT_S))
         scope = self.node.create_scope()
         handle = scope.create_action_client("test", TestAction).send_goal_async(TestGoal(RUN))
         future = handle.result().get_result_async(LONG_S)

@@ -19,9 +19,13 @@ from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from serial_link.board.simulation import Faults
+from serial_link.device.rosserial_device import Device
 from serial_link.endpoints.types import encode
 from serial_link.framing.frames import OLD_REQUEST, PROBE
 from serial_link.negotiation.payloads import ERROR, ParameterValues
+
+#: Pause before a parameter is requested again [s]: the node answers within 0.8 s, or not at all.
+REPEAT_S = 3.0
 
 
 class AnySketch(BoardRig):
@@ -156,16 +160,22 @@ class AnySketch(BoardRig):
         node.wait_for_log("[ERROR]", "/serial_node/board: it is hot")
 
     def request_parameter(self, name: str) -> None:
-        """Request a parameter until it is answered, once a second, as sketches do."""
-        before, asked_at = len(self.sketch.parameters), -math.inf
+        """Request a parameter until it is answered, as sketches do.
+
+        A request that the board has not sent, or whose answer is on its way, is not repeated.
+        """
+        before, sent_at = len(self.sketch.parameters), [-math.inf]
+
+        def request(device: Device) -> None:
+            device.request_parameter(name)
+            sent_at.append(time.monotonic())
 
         def is_answered() -> bool:
-            nonlocal asked_at
             if len(self.sketch.parameters) > before:
                 return True
-            if time.monotonic() - asked_at > 1.0:
-                asked_at = time.monotonic()
-                self.do(lambda device: device.request_parameter(name))
+            if sent_at and time.monotonic() - sent_at[-1] > REPEAT_S:
+                sent_at.clear()
+                self.do(request)
             return False
 
         wait_until(is_answered, lambda: f"{name} is not answered")

@@ -58,8 +58,9 @@ class SerialFaults(NodeRig):
         self.wait_until_back(time.monotonic())
         statuses = {"Motor Not Turning", "Motor Turning", "Motor Max Speed"}
         self.assertTrue(heard)
-        # One in three was damaged. Of these one in thousands has a sum that holds all the same.
-        self.assertLessEqual(len([status for status in heard if status not in statuses]), 1)
+        # One in three was damaged. Of these, one in a thousand has valid checksums all the same.
+        wrong = [status for status in heard if status not in statuses]
+        self.assertLessEqual(len(wrong), 2 + len(heard) / 100, wrong)
         link.wait_for_log("frames received", "fault: checksum")
         # Hundreds of garbage bytes are logged in one or two lines, not in one each.
         self.assertLess(len(link.lines) + len(link.error_lines), 40)

@@ -11,7 +11,6 @@ import rostest
 from helpers import avr_sketches
 from helpers.avr_rig import PACKAGE, PATIENCE, AvrRig
 from pid_control.msg import motor_input, motor_output
-from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String, UInt16, UInt32
 from std_srvs.srv import Trigger
 
@@ -270,17 +269,12 @@ class TestAvr(AvrRig):
             messages.clear()
 
     def test_wrong_names_are_refused_by_name_and_a_slash_too_many_is_not(self) -> None:
-        lines = self.collect("/rosout", Log)
         messages = self.collect(f"{self.space}/chatter", rospy.AnyMsg)
         self.start(avr_sketches.WRONG)
-        wait_until(lambda: messages, lambda: f"{lines[-3:]}", PATIENCE)
+        node = self.nodes[self.space]
+        wait_until(lambda: messages, lambda: f"{node.logged()}", PATIENCE)
         for name in ("my-topic", "1st", "unreadable"):
-
-            def is_refused(wanted: str = name) -> bool:
-                texts = [line.msg for line in lines if line.name.startswith(self.space)]
-                return any(wanted in text and "refused" in text for text in texts)
-
-            wait_until(is_refused, lambda: f"{[line.msg for line in lines]}", PATIENCE)
+            node.wait_for_log(name, "refused")
 
     def test_motor_at_the_pins_of_the_node_follows_its_input(self) -> None:
         outputs = self.collect(f"{self.space}/motor_output", motor_output)

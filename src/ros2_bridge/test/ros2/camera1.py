@@ -5,17 +5,21 @@ from std_msgs.msg import UInt8MultiArray
 from nodekit import Node, run
 
 
+#: As many as are held for a subscriber that a busy machine keeps from reading.
+PICTURES = 10
+
+
 class Camera:
-    """Publishes at 20 Hz to connected subscribers."""
+    """Publishes some pictures at 20 Hz, once the bridge and the test itself are connected."""
 
     def __init__(self, node: Node) -> None:
         self._number = 0
-        self._publisher = node.create_publisher("/pictures", UInt8MultiArray, queue_size=10)
+        self._publisher = node.create_publisher("/pictures", UInt8MultiArray, queue_size=PICTURES)
         node.create_timer(20.0, self._publish)
 
     def _publish(self, _time: float) -> None:
-        if self._publisher.get_num_connections():
-            self._publisher.publish(UInt8MultiArray(data=bytes([self._number % 251]) * 1_000_000))
+        if self._publisher.get_num_connections() == 2 and self._number < PICTURES:
+            self._publisher.publish(UInt8MultiArray(data=bytes([self._number]) * 1_000_000))
             self._number += 1
 
 

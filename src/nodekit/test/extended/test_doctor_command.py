@@ -68,7 +68,7 @@ class WithAMaster(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             universal_newlines=True,
-            timeout=TIMEOUT_S,
+            timeout=4.0 * TIMEOUT_S,  # a hang guard: resolvers may take long for an unknown name
         )
         self.assertEqual(done.stderr, "")
         return done.returncode, done.stdout.splitlines()

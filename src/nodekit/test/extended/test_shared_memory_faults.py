@@ -34,6 +34,8 @@ from nodekit.testing.waiting import wait_until
 
 #: Length of the longest message [bytes].
 LONGEST = 64_000_000
+#: Number of messages in a bag.
+RECORDED = 20
 
 
 class SharedMemoryFaultsTest(SharedMemoryCase):
@@ -278,7 +280,8 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             terminal, its_side = pty.openpty()  # where each line appears immediately
             self.addCleanup(os.close, terminal)
             os.set_blocking(terminal, False)
-            record = ["rosbag", "record", "-O", bag, self.topic]
+            # It ends by itself: one that is interrupted has not yet read all that was sent.
+            record = ["rosbag", "record", "--limit", str(RECORDED), "-O", bag, self.topic]
             tools = [
                 subprocess.Popen(record, stdout=subprocess.DEVNULL),
                 subprocess.Popen(["rostopic", "hz", self.topic], stdout=its_side),
@@ -292,6 +295,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             )
             self.publish(publisher, *[LARGE, 100] * 5)
             self.wait_for_all(subscriber)
+            self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS", "TCPROS"])
 
             shown = bytearray()
 
@@ -301,22 +305,23 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
                     shown.extend(os.read(terminal, 4096))
                 return b"average rate" in shown
 
+            def is_recorded():
+                self.publish(publisher, LARGE)
+                return os.path.exists(bag)  # renamed when it is complete
+
             wait_until(is_measured, publisher.statistics, timeout=TIME_OUT)
-            self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS", "TCPROS"])
+            wait_until(is_recorded, lambda: str(os.listdir(folder)), timeout=TIME_OUT)
             wait_until(
                 lambda: all(one.sent == self.count for one in publisher.statistics()),
                 publisher.statistics,
             )
             for tool in tools:
                 tool.send_signal(signal.SIGINT)
-            # The command ends immediately, and its recorder renames the bag when it is complete.
-            wait_until(lambda: os.path.exists(bag), lambda: str(os.listdir(folder)))
             with rosbag.Bag(bag) as recorded:
                 arrays = [message.data for _, message, _ in recorded.read_messages()]
-        sent = [numbered(n, 100 if n < 10 and n % 2 else LARGE) for n in range(self.count)]
-        # The last ones may have been on their way to the recorder when it was interrupted.
-        self.assertGreater(len(arrays), 10)
-        self.assertTrue(arrays == sent[: len(arrays)], "the bag has other arrays")
+        sent = [numbered(n, 100 if n < 10 and n % 2 else LARGE) for n in range(RECORDED)]
+        self.assertEqual(len(arrays), len(sent))
+        self.assertTrue(arrays == sent, "the bag has other arrays")
 
 
 if __name__ == "__main__":

@@ -69,7 +69,10 @@ class FrameWriter:
         self.queue.close()
 
     def send_stop(self) -> None:
-        """Stop the board's publishing, because the host ends; return when the frame is sent."""
+        """Stop the board's publishing, because the host ends; return when the frame is sent.
+
+        No frame follows: a topic request would make the board publish again.
+        """
         if self._is_open:
             self.queue.clear()
             self.queue.put_reliable(_STOP_FRAME)
@@ -95,7 +98,7 @@ class FrameWriter:
         if not self._port_lock.acquire(blocking=False):
             return False
         try:
-            if not self._is_open or not self.queue.is_idle:
+            if not self._may_write or not self.queue.is_idle:
                 return False
             if self._pacer.delay(time.monotonic()) > 0.0 or not self._port.write_now(frame):
                 return False
@@ -114,7 +117,7 @@ class FrameWriter:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))
             return
         frame: Optional[Any] = self.queue.get(0.0)
-        if frame is None or not self._is_open:
+        if frame is None or not self._may_write:
             return
         try:
             with self._port_lock:
@@ -127,6 +130,10 @@ class FrameWriter:
         else:
             if frame is _STOP_FRAME:
                 self._has_stopped.set()
+
+    @property
+    def _may_write(self) -> bool:
+        return self._is_open and not self._has_stopped.is_set()
 
     def _record_write(self, frame: bytes) -> None:
         self._pacer.record_write(time.monotonic(), len(frame))

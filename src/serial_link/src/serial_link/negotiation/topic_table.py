@@ -47,9 +47,10 @@ class Endpoint(NamedTuple):
 class TopicTable:
     """Table of a board's topics, as far as announced.
 
-    On each request a board announces all of its topics: a round. After an undamaged round, topics
-    without an announcement are removed. After a damaged round all known topics are kept, and
-    another round fills the gaps. On a line that damages one byte in a hundred, one announcement in
+    On each request a board announces all of its topics: a round. A topic that two undamaged rounds
+    in succession lack is removed: over Wi-Fi, a round may seem to end before its last announcement,
+    also that of a restarted board. After a damaged round all known topics are kept, and another
+    round fills the gaps. On a line that damages one byte in a hundred, one announcement in
     900 is wrong despite valid checksums. So once any damage has occurred, each topic needs two
     equal announcements, and only two equal ones replace it. The same holds for an invalid topic,
     because a single announcement may be damaged. Time is an argument [s].
@@ -68,6 +69,9 @@ class TopicTable:
         self._unconfirmed: Set[Tuple[int, int]] = set()
         #: Announced only once, and either invalid or different from a known topic.
         self._suspects: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
+        #: Announced in the last complete round, perhaps before a restart; and lacking since.
+        self._last: Set[Tuple[int, int]] = set()
+        self._lacking: Set[Tuple[int, int]] = set()
         self._ends_at: Optional[float] = None
         self._is_damaged = self._is_noisy = self._is_final = False
         #: Damaged and aborted rounds since the last complete round.
@@ -151,12 +155,20 @@ class TopicTable:
         self._ends_at = None
         self._incoming.clear()
         if self._seen and not self._is_damaged:
-            self._infos = {key: entry for key, entry in self._infos.items() if key in self._seen}
-            self._unconfirmed &= self._seen
-            self.is_complete = True
+            before, self._lacking = self._lacking, self._last - self._seen
+            if self._lacking <= before:
+                self._complete()
+            else:
+                self._is_damaged = True
         is_good = not (self._is_damaged or self._is_noisy and self._unconfirmed)
         self._is_final = is_good or self._rounds >= MOST_ROUNDS
         return self._is_final
+
+    def _complete(self) -> None:
+        self._infos = {key: entry for key, entry in self._infos.items() if key in self._seen}
+        self._unconfirmed &= self._seen
+        self._last, self._lacking = set(self._seen), set()
+        self.is_complete = True
 
     def incoming(self, topic_id: int) -> Optional[Endpoint]:
         """Return the topic or service of a frame from the board; None if unknown.

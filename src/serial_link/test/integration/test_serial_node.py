@@ -59,7 +59,8 @@ class SerialNode(NodeRig):
         """Course 003-serial-3."""
         self.start_both()
         controller = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts/controller.py")
-        node = Process(controller, ["__ns:=" + self.space])
+        # The set point is published once.
+        node = Process(controller, ["__ns:=" + self.space, "_command_timeout:=0.0"])
         self.addCleanup(node.end)
         wanted = rospy.Publisher(self.space + "/set_point", set_point, queue_size=1, latch=True)
         wanted.publish(6.0, 0.0)

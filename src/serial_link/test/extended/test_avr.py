@@ -131,7 +131,8 @@ class TestAvr(AvrRig):
         messages = self.collect(f"{self.space}/heard", UInt16)
         self.start(avr_sketches.LATE)
         wait_until(lambda: messages, lambda: "it is not heard", PATIENCE)
-        self.nodes[self.space].interrupt()
+        node = self.nodes[self.space]
+        assert node.interrupt() == 0
         port, answers = SerialPort(self.link, 57600), bytearray()
         assert port.open(0.0)
         self.addCleanup(port.release)
@@ -142,7 +143,7 @@ class TestAvr(AvrRig):
             return 3 * encode(TIME, bytes(8)) in answers
 
         # By itself it would notice after 11 s.
-        wait_until(is_stopped, lambda: f"{bytes(answers[-40:])!r}", 8.0)
+        wait_until(is_stopped, lambda: f"{bytes(answers)!r}, {node.logged()}", 8.0)
 
     def test_25_topics_each_way_work_before_and_after_a_reset(self) -> None:
         messages = {

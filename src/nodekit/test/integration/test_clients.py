@@ -51,7 +51,8 @@ class Clients(unittest.TestCase):
         """Start a server in this test's namespace, and wait until it can be called."""
         server = Process(SERVER, [f"__ns:={self.space}"])
         self.addCleanup(server.end)
-        self.assertTrue(self.node.create_client("fails", Trigger).wait_for_service(TIMEOUT_S))
+        is_there = self.node.create_client("fails", Trigger).wait_for_service(TIMEOUT_S)
+        self.assertTrue(is_there, server.logged())
         return server
 
     def test_answers_of_stock_rospy(self) -> None:
@@ -182,7 +183,9 @@ class Clients(unittest.TestCase):
         # It stays registered with the master: the connection is refused.
         with self.assertRaisesRegex(CallError, "cannot be called: .*refused"):
             client.call(TriggerRequest())
-        self.assertFalse(client.wait_for_service(0.3))
+        with self.assertLogs("rosout", "INFO") as logged:
+            self.assertFalse(client.wait_for_service(1.5))
+        self.assertRegex(logged.output[0], "slow cannot be called: .*refused; waiting again")
         again = self.server()
         quick = self.node.create_client("echo", SetBool)
         self.assertTrue(quick.call(SetBoolRequest(True)).success)

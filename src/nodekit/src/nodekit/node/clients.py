@@ -259,7 +259,7 @@ class Client:
         return future
 
     def wait_for_service(self, timeout: float = math.inf) -> bool:
-        """Wait until the service is available; log each second that it is not.
+        """Wait until the service is available; log each second why it is not.
 
         :param timeout: longest wait [s]; by default until the node ends. With 0 the service is
             probed once, which takes up to 0.1 s if the server does not respond
@@ -270,12 +270,14 @@ class Client:
         began = logged = time.monotonic()
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
-            with contextlib.suppress(CallError):
+            try:
                 self.server.probe(ServiceCall(min(max(left, _PROBE_EVERY_S), _LOG_EVERY_S)))
                 return True
+            except CallError as error:
+                reason = error
             if time.monotonic() >= logged + _LOG_EVERY_S:
                 logged = time.monotonic()
-                rospy.loginfo("service %s is not available, waiting again...", self.name)
+                rospy.loginfo("%s; waiting again...", reason)
             if left <= 0.0:
                 break
             time.sleep(min(_PROBE_EVERY_S, max(0.0, left)))

@@ -35,7 +35,7 @@ class Description(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node("test_description")
         for node in ("/generator", "/lab/process"):
-            rospy.wait_for_service(node + "/set_parameters", 30.0)
+            rospy.wait_for_service(node + "/set_parameters", TIMEOUT_S)
 
     def test_the_service_tells_value_type_unit_range_and_help(self) -> None:
         answer = rospy.ServiceProxy("/generator/describe", Trigger)()

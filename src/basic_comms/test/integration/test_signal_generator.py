@@ -16,7 +16,7 @@ from std_srvs.srv import SetBool, Trigger
 from basic_comms.msg import signal_msg
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 RATE = 500.0
 
@@ -37,7 +37,7 @@ class SignalGeneratorNode(unittest.TestCase):
         rospy.init_node("test_signal_generator")
         cls.log = MessageRecorder("/rosout", Log)
         cls.samples = MessageRecorder("signal", signal_msg)
-        rospy.wait_for_service("generator/reset", 30.0)
+        rospy.wait_for_service("generator/reset", TIMEOUT_S)
         cls.enable = rospy.ServiceProxy("generator/enable", SetBool)
         cls.reset = rospy.ServiceProxy("generator/reset", Trigger)
 

@@ -20,7 +20,7 @@ from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: Longer than the period of 30 Hz, so that each robot publishes at each step of the clock.
 STEP = 0.04
@@ -81,7 +81,7 @@ class DiffDrive(unittest.TestCase):
     def reset(self, robot: str) -> str:
         """Put a robot back to its initial pose, and return its answer."""
         name = robot + "/diff_drive/reset"
-        rospy.wait_for_service(name, 30.0)
+        rospy.wait_for_service(name, TIMEOUT_S)
         return str(rospy.ServiceProxy(name, Trigger)().message)
 
     def advance(self, seconds: float) -> None:

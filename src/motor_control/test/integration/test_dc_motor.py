@@ -17,7 +17,7 @@ from nodekit.testing.changing import change
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
 #: Sample time for responses: a busy machine does not skip all samples of it [s].
@@ -37,7 +37,7 @@ class DcMotor(unittest.TestCase):
         cls.speed = MessageRecorder("/lab/motor_speed_y", Float32)
         cls.state = MessageRecorder("/lab/motor_state", String)
         cls.log = MessageRecorder("/rosout", Log)
-        rospy.wait_for_service("/lab/EnableProcess", 30.0)
+        rospy.wait_for_service("/lab/EnableProcess", TIMEOUT_S)
         cls.enable = rospy.ServiceProxy("/lab/EnableProcess", SetProcessBool)
         wait_until(cls.input.get_num_connections, lambda: "the motor has not subscribed")
         # In the state in which it starts, the motor is silent.

@@ -24,7 +24,7 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.testing.processes import Server, hanging
 from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import SetParameters, SetParametersRequest
 
 LAB = "/services/lab"
@@ -67,7 +67,7 @@ class ParameterServices(ParameterCase):
         cls.server = Server()
         cls.nodes = [ParameterNode(f"{LAB}/{name}") for name in ("first", "first2")]
         for node in cls.nodes:
-            rospy.wait_for_service(node.name + "/change", 30.0)
+            rospy.wait_for_service(node.name + "/change", TIMEOUT_S)
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -190,7 +190,7 @@ class ParameterServices(ParameterCase):
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 universal_newlines=True,
-                timeout=30.0,
+                timeout=TIMEOUT_S,
             )
             self.assertEqual(done.returncode, 1)
             lines, name = done.stdout.splitlines(), self.node.name

@@ -35,7 +35,7 @@ class WithANode(ParameterCase):
     def setUpClass(cls) -> None:
         cls.server = Server()
         cls.node = ParameterNode(GAUGE)
-        rospy.wait_for_service(GAUGE + "/change", 30.0)
+        rospy.wait_for_service(GAUGE + "/change", TIMEOUT_S)
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -116,13 +116,13 @@ class Silence(ParameterCase):
 
     def test_node_that_is_stopped_does_not_answer_a_change(self) -> None:
         node = self.start_node("/client/stopped")
-        rospy.wait_for_service("/client/stopped/change", 30.0)
+        rospy.wait_for_service("/client/stopped/change", TIMEOUT_S)
         with hanging(node.popen.pid), self.assertRaises(CallTimeout):
             ParameterClient("/client/stopped", timeout=0.5).change({"count": 4})
 
     def test_node_that_vanishes_between(self) -> None:
         node = self.start_node("/client/gone")
-        rospy.wait_for_service("/client/gone/change", 30.0)
+        rospy.wait_for_service("/client/gone/change", TIMEOUT_S)
         client = ParameterClient("/client/gone", timeout=TIMEOUT_S)
         self.assertEqual(client.get(), DEFAULTS)
         node.popen.kill()

@@ -5,6 +5,7 @@ from typing import Any
 import rospy
 
 from nodekit.node.parameter_client import ParameterClient
+from nodekit.testing.waiting import TIMEOUT_S
 
 
 def change(node: str, **values: Any) -> None:
@@ -16,5 +17,5 @@ def change(node: str, **values: Any) -> None:
     :param values: new values by name
     :raises ChangeRefused: if the node rejects one of them
     """
-    rospy.wait_for_service(f"{node}/change", 30.0)
-    ParameterClient(node, timeout=30.0).change(values)
+    rospy.wait_for_service(f"{node}/change", TIMEOUT_S)
+    ParameterClient(node, timeout=TIMEOUT_S).change(values)

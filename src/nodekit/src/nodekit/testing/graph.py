@@ -6,10 +6,7 @@ from xmlrpc.client import ServerProxy
 
 from nodekit.deprecated import OldMethod
 from nodekit.master import MISSING, MasterClient, Registrations
-from nodekit.testing.waiting import wait_until
-
-#: Longest wait for the master, which tests may keep busy [s].
-_TIMEOUT_S = 30.0
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 class Graph:
@@ -22,7 +19,7 @@ class Graph:
 
     def __init__(self, caller_id: str = "/graph_observer") -> None:
         self._caller_id = caller_id
-        self._master = MasterClient(caller_id, timeout=_TIMEOUT_S)
+        self._master = MasterClient(caller_id, timeout=TIMEOUT_S)
         self._earlier: Set[str] = set()
         self._earlier = self.nodes()
 

@@ -6,8 +6,8 @@ from typing import Any, Callable, Optional, TypeVar
 
 Value = TypeVar("Value")
 
-#: Default time-out [s], long enough for a loaded machine.
-TIMEOUT_S = 30.0
+#: Default time-out [s]: a hang guard, which a busy machine does not reach.
+TIMEOUT_S = 100.0
 #: First and longest pause between two polls [s]: short waits end early, long ones poll rarely.
 _SHORTEST_S, _LONGEST_S = 0.001, 0.05
 

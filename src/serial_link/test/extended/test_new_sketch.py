@@ -86,9 +86,9 @@ class NewSketch(BoardRig):
     ) -> None:
         told = self.sketch.topics[1]
         self.sketch.topics = [told, told, told._replace(name="my-topic")]
+        # rospy sends it twice where it is published in the moment in which the node connects.
+        self.publisher(latch=True).publish("once")
         node = self.start()
-        publisher = self.publisher(latch=True)
-        publisher.publish("once")
         wait_until(lambda: self.sketch.texts() == ["once"] * 2, lambda: f"{self.sketch.heard}")
         node.wait_for_log("my-topic is refused: 'my-topic' is not a valid ROS name: in the sketch")
         self.board.reset()

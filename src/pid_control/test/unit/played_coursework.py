@@ -133,6 +133,9 @@ class PlayedNode:
     def is_idle(self) -> bool:
         return not any(node.is_restless for node in self.machine.nodes.values())
 
+    def has_run(self) -> bool:
+        return not self.is_idle()
+
     def wait_idle(self, longest: float) -> bool:
         self.machine.sleep(0.001 if self.is_idle() else longest)
         return self.is_idle()

@@ -1,6 +1,5 @@
 """Tests of the watch of a controller's processes."""
 
-import io
 import os
 import subprocess
 import sys
@@ -99,12 +98,20 @@ def test_busy_counts_processor_time(computing: Watched) -> None:
     wait_until(lambda: computing.watch.busy() > before + 0.1, lambda: "no processor time")
 
 
-def test_processor_time_is_that_of_the_program_and_of_the_kernel(
-    monkeypatch: "pytest.MonkeyPatch",
-) -> None:
-    text = "7 (a) b) " + " ".join(["R", *map(str, range(1, 50))])
-    monkeypatch.setattr(process_watch, "open", lambda _: io.StringIO(text), raising=False)
-    assert process_watch.processor_time(7) == (11 + 12) / os.sysconf("SC_CLK_TCK")
+def test_processor_time_is_that_of_a_process_and_an_error_once_it_has_ended() -> None:
+    before = time.process_time()
+    assert before < process_watch.processor_time(os.getpid()) < time.process_time()
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    with pytest.raises(ProcessLookupError):
+        process_watch.processor_time(ended.pid)
+
+
+def test_has_run_is_false_of_a_process_that_waits(computing: Watched) -> None:
+    wait_until(computing.watch.is_idle, lambda: "it computes")
+    wait_until(lambda: not computing.watch.has_run(), lambda: "it runs")
+    say(computing, b"work\n")
+    wait_until(computing.watch.has_run, lambda: "it does not run")
 
 
 def test_kill_ends_processes_in_other_sessions() -> None:

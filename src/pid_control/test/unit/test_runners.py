@@ -61,6 +61,12 @@ def test_answers_in_the_first_half_of_a_pause_count_as_late(
     assert counted_at == pytest.approx([begin + 0.25, begin + 0.5], abs=0.005)
     half = pytest.approx(0.5, abs=0.01)
     assert longer == Pause(8.0, pytest.approx(2.0 * pause.length, abs=0.005), half, 1)
+    # A thread that waits for a processor is not idle, but computes nothing.
+    watch.is_idle.side_effect = itertools.cycle([False, False, False, True])
+    watch.has_run.side_effect = itertools.cycle([False, True, False, False])
+    assert simulated.pause(9.0, mock.Mock()).rest == pytest.approx(0.5, abs=0.01)
+    watch.is_idle.side_effect, watch.has_run.side_effect = lambda: False, lambda: False
+    assert simulated.pause(10.0, mock.Mock()).rest == 1.0
     # On a busy machine a scenario takes longer, and so does a first pause.
     simulated.start()
     simulated._paused, now[0] = 0.0, now[0] + 10.0

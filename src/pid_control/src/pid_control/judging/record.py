@@ -33,7 +33,7 @@ class Pause(NamedTuple):
 
     :ivar time: time in the scenario [s]
     :ivar length: duration by the machine's clock [s]
-    :ivar rest: share of it in which the controller was idle
+    :ivar rest: share of it in which the controller was idle, apart from waits for a processor
     :ivar answers: number of answers in its second half; late answers arrive in the first
     """
 

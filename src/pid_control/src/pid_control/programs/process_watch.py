@@ -15,7 +15,6 @@ from typing import Dict, Iterator, List, Sequence, Set
 
 #: Number of Linux's prctl that makes this process the parent of orphans among its descendants.
 _PR_SET_CHILD_SUBREAPER = 36
-_TICKS = float(os.sysconf("SC_CLK_TCK"))
 #: Interval of the searches for new processes and threads [s].
 _SEARCH_EVERY_S = 0.2
 #: Interval of the checks while waiting [s].
@@ -55,6 +54,8 @@ class ProcessWatch:
         self._searched_at = -1.0
         #: Processor time by process, also of ended ones [s].
         self._spent: Dict[int, float] = {}
+        #: The same at the previous call of :meth:`has_run`.
+        self._run_before: Dict[int, float] = {}
 
     def pids(self) -> List[int]:
         """Return the running processes of the controller."""
@@ -69,9 +70,17 @@ class ProcessWatch:
         """Return the processor time used so far [s]."""
         self._pids |= set(self.pids())
         for pid in self._pids:
-            with contextlib.suppress(OSError, IndexError):
+            with contextlib.suppress(OSError):
                 self._spent[pid] = processor_time(pid)
         return sum(self._spent.values())
+
+    def has_run(self) -> bool:
+        """Return whether a process found by the latest search has run since the previous call."""
+        before, self._run_before = self._run_before, {}
+        for pid in self._pids:
+            with contextlib.suppress(OSError):
+                self._run_before[pid] = processor_time(pid)
+        return any(spent > before.get(pid, 0.0) for pid, spent in self._run_before.items())
 
     def has_library(self, name: str) -> bool:
         """Return True if a running process has loaded a library.
@@ -169,14 +178,16 @@ class ProcessWatch:
 
 
 def processor_time(pid: int) -> float:
-    """Return the processor time of a process [s].
+    """Return the processor time of a process, to the nanosecond: see clock_getcpuclockid(3) [s].
 
     :param pid: the process
     :raises OSError: if it has ended
     """
-    with open(f"/proc/{pid}/stat") as stat:
-        fields = stat.read().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / _TICKS
+    clock = ctypes.c_int()
+    number = ctypes.CDLL(None).clock_getcpuclockid(pid, ctypes.byref(clock))
+    if number:
+        raise OSError(number, os.strerror(number))
+    return time.clock_gettime(clock.value)
 
 
 def _parents() -> Dict[int, int]:

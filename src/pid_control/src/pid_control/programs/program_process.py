@@ -72,7 +72,7 @@ class ProgramProcess:
         """Return the processor time of the process without its children [s]; 0 if it has ended."""
         try:
             return processor_time(self._popen.pid)
-        except (OSError, IndexError):
+        except OSError:
             return 0.0
 
     def last_words(self) -> str:

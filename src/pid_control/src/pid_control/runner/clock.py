@@ -1,6 +1,7 @@
 """Clocks that pace a scenario: simulated (advanced when the controller is idle), or wall clock."""
 
 import time
+from statistics import fmean
 from typing import Callable, List, Optional, Protocol
 
 from pid_control.judging.record import Pause
@@ -67,15 +68,18 @@ class SimulatedClock:
         taken = begin - self._began
         length = 2.0 * self._paused or max(_STANDSTILL_S, _STANDSTILL_SHARE * taken)
         has_popped, now = False, begin
+        self._watch.has_run()
         while now < begin + length:
-            rests.append(self._watch.is_idle())
+            is_idle, has_run = self._watch.is_idle(), self._watch.has_run()
+            if is_idle or has_run:  # a thread that waits for a processor tells nothing
+                rests.append(is_idle)
             time.sleep(_CHECK_S)
             now = time.monotonic()
             if not has_popped and now > begin + 0.5 * length:
                 pop_answers()  # answers that were late
                 has_popped = True
         self._paused = length
-        return Pause(time_of, now - begin, sum(rests) / len(rests), pop_answers())
+        return Pause(time_of, now - begin, fmean(rests) if rests else 1.0, pop_answers())
 
 
 class WallClock:

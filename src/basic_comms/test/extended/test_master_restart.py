@@ -2,9 +2,11 @@
 """Connected nodes continue without a master, and register everything with a new one."""
 
 import unittest
-from typing import Any
+from typing import Any, List
 
 import rosgraph
+from helpers.machine_lag import measured_lag
+from helpers.sample_gaps import gaps
 from helpers.tcpros import Tap
 from roslib.packages import find_node
 from std_msgs.msg import Float32
@@ -57,12 +59,31 @@ class RestartedMaster(unittest.TestCase):
         signal = self.tap_when_up("/signal_generator", "/signal", signal_msg)
         answers = self.tap_when_up("/process", "/proc_signal", Float32)
         self.server.set("/signal_generator/offset", 0.5)
-        latest = self.wait_for_offset(signal)
-        registered, parameters = self.registrations(), self.parameters()
+        with measured_lag(lambda: [node.popen.pid for node in nodes]) as lag:
+            times = [self.wait_for_offset(signal)]
+            self.restart_master(nodes)
+            times += self.read_until_now(signal)
+        # The connection of before has brought each sample.
+        self.assertEqual(gaps(times, RATE, lag), [])
+        self.assertGreater(times[-1], times[0])
+        answers.read()
 
+        heard = len(listener.logged("I heard"))
+        wait_until(lambda: len(listener.logged("I heard")) > heard, lambda: "the listener is deaf")
+        newcomer = self.start("listener", "__name:=newcomer")
+        newcomer.wait_for_log("I heard", "/talker")
+        self.tap("/signal_generator", "/signal", signal_msg).read()
+
+    def restart_master(self, nodes: List[Process]) -> None:
+        """Replace the master, and wait until it knows all that the previous one knew."""
+        registered, parameters = self.registrations(), self.parameters()
+        self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
         self.master.kill()
+        silent, answers = "the master does not answer", "the master answers again"
         for node in nodes:
-            node.wait_for_log("WARN", "the master does not answer")
+            node.wait_for_log("WARN", silent)
+        counts = [len(node.logged(silent)) - len(node.logged(answers)) for node in nodes]
+        self.assertEqual(counts, [1] * len(nodes))
         self.master.start()
         self.server = Server(self.master.uri)
         wait_until(
@@ -73,21 +94,16 @@ class RestartedMaster(unittest.TestCase):
             lambda: self.parameters() == parameters,
             lambda: f"parameters were {parameters}, now {self.parameters()}",
         )
-        self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
         for node in nodes:
             # Logged after the last registration, which may be a moment after the master has it.
             node.wait_for_log("WARN", "the master was restarted")
-            for words in ("the master does not answer", "the master was restarted"):
-                self.assertEqual(len(node.logged(words)), 1, node.logged(words))
+            # On a busy machine the new master may not answer in time: another pair of lines.
+            wait_until(
+                lambda: len(node.logged(silent)) == len(node.logged(answers)),
+                lambda: str(node.logged("the master")),
+            )
+            self.assertEqual(len(node.logged("the master was restarted")), 1, node.logged())
             self.assertEqual(node.logged("Traceback"), [])
-        self.assert_unbroken(signal, latest)
-        answers.read()
-
-        heard = len(listener.logged("I heard"))
-        wait_until(lambda: len(listener.logged("I heard")) > heard, lambda: "the listener is deaf")
-        newcomer = self.start("listener", "__name:=newcomer")
-        newcomer.wait_for_log("I heard", "/talker")
-        self.tap("/signal_generator", "/signal", signal_msg).read()
 
     def tap_when_up(self, node: str, topic: str, kind: Any) -> Tap:
         wait_until(
@@ -107,13 +123,13 @@ class RestartedMaster(unittest.TestCase):
         )
         return float(sample.time_x)
 
-    def assert_unbroken(self, signal: Tap, latest: float) -> None:
-        """Check that the connection of before has brought each sample of the signal until now."""
+    def read_until_now(self, signal: Tap) -> List[float]:
+        """Return the times of the samples of a connection that was not read for a while."""
         now = self.tap("/signal_generator", "/signal", signal_msg).read().time_x
-        self.assertGreater(now, latest)
-        while latest < now:
-            latest, before = signal.read().time_x, latest
-            self.assertAlmostEqual(latest - before, 1.0 / RATE, 6)
+        times = [signal.read().time_x]
+        while times[-1] < now:
+            times.append(signal.read().time_x)
+        return times
 
 
 if __name__ == "__main__":

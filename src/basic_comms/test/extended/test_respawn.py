@@ -3,11 +3,12 @@
 
 import unittest
 from pathlib import Path
-from typing import List
+from typing import List, Optional
 
 import rospy
 from helpers.kill_rounds import Stream, kill_rounds
 from helpers.machine_lag import measured_lag
+from helpers.sample_gaps import gaps
 from rosgraph_msgs.msg import Log
 
 from basic_comms.msg import signal_msg
@@ -18,6 +19,8 @@ from nodekit.testing.waiting import TIMEOUT_S
 
 #: A launch file with every node of the package; see there for its args.
 EVERY_NODE = str(Path(__file__).resolve().parents[1] / "helpers" / "every_node.launch")
+#: Rate of its signal generator [Hz].
+RATE = 200.0
 #: How often each node is killed here.
 ROUNDS = 3
 #: Longest silence after a node's return on an idle machine [s].
@@ -51,18 +54,25 @@ class Respawn(unittest.TestCase):
         recorder.wait_for(lambda message: True)
         return recorder
 
-    def kill(self, node: str, *streams: Stream) -> None:
-        with measured_lag() as lag:
+    def kill(self, node: str, *streams: Stream, unbroken: Optional[MessageRecorder] = None) -> None:
+        """Kill a node several times, and check its returns.
+
+        :param unbroken: recorder of the generator's samples, of which none is lost meanwhile
+        """
+        with measured_lag(self.pids) as lag:
+            if unbroken:
+                unbroken.clear()
             rounds = kill_rounds(self.launch, node, list(streams), ROUNDS)
+            times = [sample.time_x for sample in unbroken.messages()] if unbroken else []
         silent = [each.silent for each in rounds]
         print(f"{node}: silent for up to {1000.0 * max(silent):.0f} ms after its return")
         self.assertLess(max(silent), lag.allowed(SILENCE))
+        if unbroken:
+            self.assertGreater(len(times), 100)
+            self.assertEqual(gaps(times, RATE, lag), [])
 
-    def assert_no_sample_lost(self, samples: List[signal_msg]) -> None:
-        """Check that samples are numbered by their times without a gap."""
-        steps = [later.time_x - one.time_x for one, later in zip(samples, samples[1:])]
-        self.assertGreater(len(steps), 100)
-        self.assertEqual({round(200.0 * step, 3) for step in steps}, {1.0})
+    def pids(self) -> List[int]:
+        return [process.pid for process in self.launch.processes().values()]
 
     def test_talker(self) -> None:
         self.kill("/talker", self.stream("chatter"), self.heard_by_the_listener())
@@ -84,14 +94,12 @@ class Respawn(unittest.TestCase):
 
     def test_process(self) -> None:
         signal = self.recorder("signal", signal_msg)
-        self.kill("/process", self.stream("proc_signal"))
-        self.assert_no_sample_lost(signal.messages())
+        self.kill("/process", self.stream("proc_signal"), unbroken=signal)
 
     def test_fleet(self) -> None:
         signal = self.recorder("signal", signal_msg)
         groups = [self.stream(f"Group{number}/proc_signal") for number in (1, 2)]
-        self.kill("/fleet", *groups)
-        self.assert_no_sample_lost(signal.messages())
+        self.kill("/fleet", *groups, unbroken=signal)
 
 
 if __name__ == "__main__":

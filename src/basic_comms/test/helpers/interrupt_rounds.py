@@ -9,6 +9,7 @@ import tempfile
 import time
 from typing import Callable, List, NamedTuple, Sequence
 
+from helpers.machine_lag import processor_waits
 from roslib.packages import find_node
 
 #: Longest moment after the start, s: by then a node runs, also on a busy machine mostly.
@@ -29,7 +30,7 @@ class End(NamedTuple):
 
     :param program: the program
     :param moment: time of the interrupt, after its start or its first line [s]
-    :param seconds: from the interrupt to its end [s]
+    :param seconds: from the interrupt to its end, without its waits for a processor [s]
     :param status: exit status
     :param from_our_lines: whether the time counts from the first line that can handle it
     :param errors: its stderr output
@@ -101,23 +102,35 @@ def _interrupt(program: str, moment: float, from_our_lines: bool) -> End:
             if from_our_lines:
                 _wait_for_our_lines(told)
             time.sleep(moment)
-            interrupted_at = time.monotonic()
+            interrupted_at, waited = time.monotonic(), _processor_wait(process.pid)
             process.send_signal(signal.SIGINT)
-            try:
-                process.wait(_PATIENCE)
-            except subprocess.TimeoutExpired:
+            if not _has_ended(process.pid, _PATIENCE):
                 process.send_signal(signal.SIGABRT)
                 process.wait()
                 hung = told().rpartition("import time:")[2]
-                raise AssertionError(
-                    f"{program} hangs, interrupted after {moment} s: {hung}"
-                ) from None
-            seconds = time.monotonic() - interrupted_at
+                raise AssertionError(f"{program} hangs, interrupted after {moment} s: {hung}")
+            waited = _processor_wait(process.pid) - waited
+            seconds = time.monotonic() - interrupted_at - waited
         finally:
             process.kill()
             process.wait()
         survivors = _session(process.pid)
         return End(program, moment, from_our_lines, seconds, process.returncode, told(), survivors)
+
+
+def _has_ended(pid: int, patience: float) -> bool:
+    """Wait for the end of a child process, which remains a zombie; return False on timeout."""
+    deadline = time.monotonic() + patience
+    while os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+def _processor_wait(pid: int) -> float:
+    """Return how long the main thread of a process, or of a zombie, has waited [s]."""
+    return processor_waits(pid).get(str(pid), 0.0)
 
 
 def _wait_for_our_lines(told: Callable[[], str]) -> None:

@@ -44,6 +44,8 @@ class Fuzz(unittest.TestCase):
         wait_until(lambda: cls.graph.initialised(*STREAMS), lambda: str(cls.graph.nodes()))
         cls.uris = {node: rosgraph.Master("/test").lookupNode(node) for node in STREAMS}
         cls.assert_all_speak()
+        for node in STREAMS:  # or it would connect during a test, and seem to be left behind
+            cls.graph.wait_until_heard(node, "/rosout", "/rosout")
         cls.slow_down()
 
     @classmethod

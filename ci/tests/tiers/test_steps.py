@@ -83,9 +83,12 @@ def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
 
 def test_time_limit_ends_escaped_processes_too(tmp_path: pathlib.Path) -> None:
     command = "setsid sleep 300 & echo $!; exec sleep 300"
-    result = run(tmp_path, "sh", "-c", command, time_limit=4.0)
-    assert tally(result) == (0, 1, 0, False)
-    assert "more than" in result.log
+    for limit in (4.0, 40.0):  # a busy machine may take long to start a shell
+        result = run(tmp_path / str(limit), "sh", "-c", command, time_limit=limit)
+        assert tally(result) == (0, 1, 0, False)
+        assert "more than" in result.log
+        if result.log.split()[0].isdigit():
+            break
     escaped = int(result.log.split()[0])
     with pytest.raises(ProcessLookupError):
         wait_until_gone(escaped)

@@ -79,7 +79,7 @@ def test_real_plant_is_stopped_by_a_set_point_and_an_input_of_0(
     plant: Any = RealPlant.__new__(RealPlant)
     plant._set_points, plant._drive = mock.Mock(), mock.Mock()
     plant._began, plant._heard_at, plant._is_shut_down, plant._topic = 90.0, 99.5, False, "/y"
-    plant._speed = -0.5  # encoders are coarse
+    plant._speed, plant._sent_at = -0.5, 99.9  # encoders are coarse
     plant.wait_until_it_stands()
     plant._set_points.publish.assert_called_once_with(set_point(0.0, 10.0))
     plant._drive.publish.assert_called_once_with(motor_input(0.0, 0.0))
@@ -96,6 +96,14 @@ def test_real_plant_is_stopped_by_a_set_point_and_an_input_of_0(
     plant._heard_at = now[0] - 0.7
     plant.send_set_point(1.0)
     plant._heard_at = now[0] - 0.9
+    with pytest.raises(PlantError, match="^the plant is silent: nothing on /y for 0.8 s$"):
+        plant.send_set_point(1.0)
+    now[0] += 0.5  # the judge was held up, and has not yet received the outputs of that time
+    plant.send_set_point(1.0)
+    for _ in range(2):
+        now[0] += 0.4
+        plant.send_set_point(1.0)
+    now[0] += 0.1
     with pytest.raises(PlantError, match="^the plant is silent: nothing on /y for 0.8 s$"):
         plant.send_set_point(1.0)
 

@@ -6,7 +6,7 @@ import signal
 import tempfile
 
 import rospy
-from helpers.real_plant_rig import RealPlantCase
+from helpers.real_plant_rig import ATTEMPTS, RealPlantCase
 
 from nodekit import init_node
 from nodekit.testing.running import rosrun
@@ -18,8 +18,7 @@ class RealPlant(RealPlantCase):
 
     def test_judge_ctrl_c_stops_real_motor(self) -> None:
         self.host_motor()
-        judge = self.start("judge", "--real-time", "--real-plant", *self.controller)
-        self.outputs.wait_for(lambda heard: heard.output > 4.0)
+        judge = self.start_judge("--real-time", *self.controller)
         self.assertEqual(judge.interrupt(), 130)
         self.assertFalse(judge.logged("Traceback"))
         self.assert_left_alone()
@@ -31,7 +30,7 @@ class RealPlant(RealPlantCase):
             gains = pathlib.Path(folder) / "gains.yaml"
             gains.write_text("{kp: 0.05, ki: 0.0}\n")
             words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
-            for _ in range(10):
+            for _ in range(ATTEMPTS):
                 judge = self.start("judge", "--real-plant", "--only", "steps", *words)
                 if judge.wait() != 125:  # as of a machine that is too busy
                     break

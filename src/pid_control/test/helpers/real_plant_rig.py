@@ -18,6 +18,8 @@ from pid_control.msg import motor_input, motor_output, set_point
 from pid_control.nodes.system import System
 
 PACKAGE = rospkg.RosPack().get_path("pid_control")
+#: Number of tries on a busy machine.
+ATTEMPTS = 10
 TOPICS = ("/motor_input", "/motor_output", "/set_point")
 
 
@@ -47,6 +49,25 @@ class RealPlantCase(unittest.TestCase):
         process = Process(os.path.join(PACKAGE, "scripts", name), list(words), variables)
         self.addCleanup(process.end)
         return process
+
+    def start_judge(self, *words: str) -> Process:
+        """Start the judge with a real plant, and wait until its controller turns the motor.
+
+        A busy machine may make the motor silent meanwhile: the judge is then started again.
+        """
+        for _ in range(ATTEMPTS):
+            self.wait_for_standstill()
+            self.outputs.clear()
+            judge = self.start("judge", "--real-plant", *words)
+            wait_until(lambda: judge.popen.poll() is not None or self.turns(), lambda: "it stands")
+            if self.turns():
+                return judge
+            self.assertEqual(judge.wait(), 125, judge.logged())
+        raise AssertionError(judge.logged())
+
+    def turns(self) -> bool:
+        """Return whether the motor has turned quickly since its recorder was cleared."""
+        return any(heard.output > 4.0 for heard in self.outputs.messages())
 
     def host_motor(self) -> Node:
         """Host a motor, and record its topics; closed, it is silent."""
@@ -83,9 +104,13 @@ class RealPlantCase(unittest.TestCase):
     def assert_stopped(self) -> None:
         """Wait until the motor is at rest, with a last input of 0, and no controller runs."""
         self.assertEqual(self.controllers(), [])
+        self.wait_for_standstill()
+        self.wait_for_last_input()
+
+    def wait_for_standstill(self) -> None:
+        """Wait until the motor is at rest."""
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
-        self.wait_for_last_input()
 
     def wait_for_last_input(self) -> None:
         """Wait until the last input is 0."""

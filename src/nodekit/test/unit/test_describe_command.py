@@ -2,6 +2,7 @@
 
 import os
 import sys
+import threading
 from concurrent.futures import Future
 from typing import Any, Callable
 
@@ -107,3 +108,33 @@ def test_status_and_names_report_one_undescribed_node_of_many(
     told = [line for line in printed.out.splitlines() if line.startswith("/")]
     assert told == [name for name in names if name != mute]
     assert printed.err == f"describe: {mute}{why}\n"
+
+
+def test_slow_node_is_described_before_one_that_is_slower(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]", lines: Any
+) -> None:
+    calls = {name: command.call_service(name, None) for name in ("/a/describe", "/b/describe")}
+    (response,) = {call.result().message for call in calls.values()}
+    calls = {name: Future() for name in calls}
+    described, table = [], command.as_table
+
+    def describe_and_end(*arguments: Any) -> str:
+        described.append([name for name, call in calls.items() if call.done()])
+        if not calls["/a/describe"].done():
+            unanswered(calls["/a/describe"])
+        return table(*arguments)
+
+    monkeypatch.setattr(command, "_ORDER_S", 0.0)
+    monkeypatch.setattr(command, "as_table", describe_and_end)
+    monkeypatch.setattr(command, "call_service", lambda name, _: calls[name])
+    monkeypatch.setattr(command.MasterClient, "namespaces_offering", lambda *_: ["/a", "/b"])
+    threading.Timer(
+        0.05, calls["/b/describe"].set_result, [TriggerResponse(True, response)]
+    ).start()
+    guard = threading.Timer(5.0, calls["/a/describe"].cancel)
+    guard.start()
+    with pytest.raises(SystemExit):
+        command.main()
+    guard.cancel()
+    assert described == [["/b/describe"]]
+    assert capsys.readouterr().err == "describe: /a does not answer: no answer within 2 s\n"

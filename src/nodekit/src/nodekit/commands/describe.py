@@ -4,7 +4,7 @@ import argparse
 import shutil
 import sys
 from concurrent import futures
-from typing import List
+from typing import Any, Dict, Iterator, List
 
 import rosgraph
 import rospy
@@ -15,7 +15,7 @@ from nodekit.commands.parameter_table import as_table
 from nodekit.commands.request_errors import exit_on_error
 from nodekit.service_hint import service_hint
 from nodekit.master import MasterClient
-from nodekit.node.clients import CallError, call_service
+from nodekit.node.clients import ANSWER_S, CallError, call_service
 from nodekit.parameter_server.parameter_services import DESCRIBE
 from nodekit.package_version import ShowVersion
 from nodekit.parameters.schema import DescriptionError, description_in
@@ -57,10 +57,9 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
     """Describe nodes, slow ones last; return whether all have responded."""
     calls = {name: call_service(f"{name}/{DESCRIBE}", Trigger) for name in names}
-    _, late = futures.wait(calls.values(), _ORDER_S)
     columns = shutil.get_terminal_size().columns
     missing = 0
-    for name in sorted(names, key=lambda name: (calls[name] in late, name)):
+    for name in _by_response(calls):
         try:
             entries = description_in(calls[name].result().message)
             text = f"{name}\n{as_table(entries, columns)}\n"
@@ -80,3 +79,18 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
             text = yaml.safe_dump({name: entries}, sort_keys=False, allow_unicode=True)
         print(text, end="", flush=True)
     return not missing
+
+
+def _by_response(calls: Dict[str, Any]) -> Iterator[str]:
+    """Return the names of those that respond quickly, in order, then the others as they respond.
+
+    :param calls: calls by name
+    """
+    names = {call: name for name, call in calls.items()}
+    done, late = futures.wait(names, _ORDER_S)
+    yield from sorted(names[call] for call in done)
+    while late:
+        done, late = futures.wait(late, ANSWER_S, futures.FIRST_COMPLETED)
+        if not done:
+            done, late = late, set()  # their time is over
+        yield from sorted(names[call] for call in done)

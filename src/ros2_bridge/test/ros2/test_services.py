@@ -23,7 +23,7 @@ from test_topics import RCLError
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit import Throttle
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.actions.discovery import Server
 from ros2_bridge.ros1.graph import Ros1Graph
@@ -90,7 +90,7 @@ def test_error_is_logged_without_message_field(ros: both.Both, bridge: both.Brid
 
     def fail(request: Any) -> Any:
         if request._buff == struct.pack("<qq", 1, 0):
-            over.wait(20.0)
+            over.wait(TIMEOUT_S)
         raise rospy.ServiceException("out of order")
 
     rospy.set_param("/ros2_bridge/service_timeout", 2.5)
@@ -101,6 +101,9 @@ def test_error_is_logged_without_message_field(ros: both.Both, bridge: both.Brid
     hangs = client.call_async(AddTwoInts.Request(a=1))
     fails = client.call_async(AddTwoInts.Request(a=2))  # beside it
     bridge.wait_for_log("a caller in ROS 2 gets no response: ", "/broken_sum", "out of order")
+    # On a busy machine that line comes less than 1 s before that of the first call, which is not
+    # logged then; this one's is.
+    client.call_async(AddTwoInts.Request(a=1))
     bridge.wait_for_log("a caller in ROS 2 gets no response: /broken_sum: no answer within 2.5 s")
     assert not hangs.done() and not fails.done()
     over.set()
@@ -221,11 +224,16 @@ def test_error_of_call_names_full_server_queue(ros: both.Both, bridge: both.Brid
             ros.call1("/stuck", ADD, struct.pack("<qq", 1, 1))
         texts.append(str(caught.value))
 
-    threads = [threading.Thread(target=call) for _ in range(15)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    for _ in range(10):
+        texts.clear()
+        began = time.monotonic()
+        threads = [threading.Thread(target=call) for _ in range(15)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        if time.monotonic() - began < 2.0 or any("are pending" in text for text in texts):
+            break  # else a busy machine may have held up some until others had ended
     assert all("/stuck in ROS 2: no answer within 1.5 s" in text for text in texts)
     assert any("calls are pending, and a server keeps 10 requests" in text for text in texts)
     stuck.destroy_node()

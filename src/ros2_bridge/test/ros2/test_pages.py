@@ -3,6 +3,7 @@
 import importlib
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -22,6 +23,11 @@ job = importlib.import_module("job")
 DOCS = WORKSPACE / "docs"
 
 
+#: Warning of a node that the bridge asks for its parameters before the node has discovered the
+#: bridge's side of that service: the bridge gets no answer, and asks later.
+EARLY_QUESTION = re.compile(r"^.*RuntimeWarning: failed to send response.*\n.*\n", re.MULTILINE)
+
+
 class Terminal(NamedTuple):
     """A running command, and its output."""
 
@@ -29,8 +35,9 @@ class Terminal(NamedTuple):
     output: IO[bytes]
 
     def printed(self) -> str:
-        """Return all so far."""
-        return console_blocks.plain(pathlib.Path(self.output.name).read_text("utf-8"))
+        """Return all so far, apart from rclpy's warnings of early questions."""
+        text = console_blocks.plain(pathlib.Path(self.output.name).read_text("utf-8"))
+        return EARLY_QUESTION.sub("", text)
 
 
 def start(command: str) -> Terminal:

@@ -174,12 +174,12 @@ def test_stop_is_sent_in_place_of_waiting_frames_before_the_call_returns(rig: Ri
         stopping.join(0.1)
         assert stopping.is_alive()
     stopping.join(30.0)
-    assert rig.port.written == [encode(STOP, b"")] and rig.writer._has_stopped.is_set()
+    assert rig.port.written == [encode(STOP, b"")] * 2 and rig.writer._has_stopped.is_set()
     # A topic request of a thread that did not know of the end would start the board again.
     rig.writer.queue.put_reliable(b"request")
     rig.wait_until_idle()
     assert not rig.writer.write_now(b"at once")
-    assert rig.port.written == [encode(STOP, b"")]
+    assert rig.port.written == [encode(STOP, b"")] * 2
 
 
 def test_closed_writer_no_longer_waits_for_frames(rig: Rig) -> None:

@@ -25,6 +25,9 @@ _LONGEST_NOW = 1024
 #: Frame that stops the board's publishing.
 _STOP_FRAME = encode(STOP, b"")
 _STOP_S = 1.0
+#: Time to the repetition of the stop [s]: rosserial's library drops a frame that its loop reads in
+#: two parts more than 20 ms apart.
+_REPEAT_S = 0.07
 
 
 class FrameWriter:
@@ -123,6 +126,9 @@ class FrameWriter:
             with self._port_lock:
                 self._port.write(frame)
                 self._record_write(frame)
+                if frame is _STOP_FRAME:
+                    self._is_over.wait(_REPEAT_S)
+                    self._port.write(frame)
         except PortStuck as error:
             self._report_stuck(error)
         except PortLost:

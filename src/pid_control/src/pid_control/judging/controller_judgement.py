@@ -2,7 +2,7 @@
 
 from typing import List, Optional, Sequence
 
-from pid_control.judging.diagnosis import FLAWS, Figures, cause_of, cause_of_failure
+from pid_control.judging.diagnosis import FATAL, FLAWS, Figures, cause_of, cause_of_failure
 from pid_control.judging.evidence import evidence_of
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
 from pid_control.judging.record import ENDED, Record
@@ -18,16 +18,6 @@ from pid_control.verdicts.judgement import (
 )
 from pid_control.verdicts.limits import Limits
 
-#: Flaws that stop the judgement: the other scenarios would take too long, or prove nothing.
-_FATAL = (
-    "not connected",
-    "silent",
-    "endless output",
-    "machine clock",
-    "flood",
-    "restless",
-    "too slow",
-)
 #: Flaws that a simulated clock may cause: a run by the machine's clock shows whether it does.
 _OF_CLOCK = ("machine clock", "division by 0")
 
@@ -81,7 +71,7 @@ def is_fatal(record: Record, limits: Limits) -> bool:
     """
     if record.failure == ENDED:
         return not record.answers  # the next scenario may not end it
-    return any(flaw in _FATAL for flaw in judge([record], limits).flaws())
+    return any(flaw in FATAL for flaw in judge([record], limits).flaws())
 
 
 def _found(scenario: str, metric: str, value: Optional[float], limits: Limits) -> Finding:

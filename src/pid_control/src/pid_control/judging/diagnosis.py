@@ -27,10 +27,8 @@ IsBroken = Callable[[str, str, Optional[float]], bool]
 _FLOOD = 200
 
 
-#: Flaws, worst first: each may be the reason of those after it.
-FLAWS = (
-    "crash",
-    "division by 0",
+#: Flaws that stop the judgement: the other scenarios would take too long, or prove nothing.
+FATAL = (
     "not connected",
     "silent",
     "endless output",
@@ -38,6 +36,12 @@ FLAWS = (
     "flood",
     "restless",
     "too slow",
+)
+#: Flaws, worst first: each may be the reason of those after it.
+FLAWS = (
+    "crash",
+    "division by 0",
+    *FATAL,
     "too seldom",
     "late start",
     "no answer",
